@@ -7,7 +7,6 @@ import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -25,29 +24,20 @@ OPTIMUM = "paper/optimum_7.62mm_AP"
 COMMANDS = {
     "compile": ["compile"],
     "optimise --refine": [f"optimise {OPTIMUM} --refine", f"optimise {OPTIMUM} --refine --json"],
-    "calibrate --prior": ["calibrate tests/unknown_ceramic unknown_ceramic --prior"],
-    "calibrate --law all": ["calibrate tests/unknown_ceramic unknown_ceramic --law all"],
     "library show": ["library show AD85", "library show 'NIJ 0101.06 type IV, M2 AP'", "library --json show AD85"],
     **{f"library {kind}": [f"library {kind}"] for kind in ("projectiles", "ceramics", "threats", "metals")},
     "table.rivals": ["validate suite.toml", "report suite.toml -o suite.md"],
 }
 # Commands near to these, which stay.
 STAYING = [
-    *("library", "library --tested", f"optimise {OPTIMUM}", "v50 tests/shots wilkins --prior"),
-    *("calibrate tests/unknown_ceramic unknown_ceramic", "validate paper --only table", "validate plain.toml"),
+    *("library", "library --tested", f"optimise {OPTIMUM}"),
+    *("validate paper --only table", "validate plain.toml"),
 ]
-
-
-def calibrated(**options: Any) -> object:
-    scenario = armour.load_scenario("unknown_ceramic")
-    return armour.calibrate(armour.read_tests("tests/unknown_ceramic", scenario), scenario, **options)
 
 
 # By what leaves, programs that use it.
 PROGRAMS: dict[str, Callable[[], object]] = {
     "optimise(refine=True)": lambda: armour.optimise(armour.load_scenario(OPTIMUM), refine=True),
-    "calibrate(prior=True)": lambda: calibrated(prior=True),
-    'calibrate(law="all")': lambda: calibrated(law="all"),
     "table.rivals": lambda: armour.validate("suite.toml"),
     **{name: partial(getattr, armour, name[7:]) for name in LEAVING if name.startswith("armour.")},
 }
@@ -61,7 +51,6 @@ KEYS = {
     "uncertainty uncertain --samples 128": [
         *("ballistic_limit_m_s.V05", "ballistic_limit_m_s.V50", "ballistic_limit_m_s.V95"),
     ],
-    "calibrate unknown_ceramic tests/unknown_ceramic": ["aicc", "laws", "coefficients.prior_share"],
     "compare wilkins": [
         *("fits", "fitted_m_s", "florence.best_ceramic_thickness_mm", "florence.best_backing_thickness_mm"),
         *("florence.best_thickness_ratio", "florence.best_ballistic_limit_m_s", "florence.model_ballistic_limit_m_s"),

@@ -43,7 +43,6 @@ from .scenario.scenario import load_scenario as load_scenario
 from .scenario.scenario import parse_scenario as parse_scenario
 from .scenario.scenario import save_scenario as save_scenario
 from .statistics.calibration import CalibrationResult as CalibrationResult
-from .statistics.calibration import LawFit as LawFit
 from .statistics.calibration import Residual as Residual
 from .statistics.calibration import calibrate as calibrate
 from .statistics.curves import FittedCurve as FittedCurve

@@ -3,16 +3,12 @@
 from warnings import warn
 
 _RANGE = "give a range without a step"
-_TESTS_OF_PRIOR = "add the tests behind the prior to the table"
-_EACH_LAW = "fit the laws one by one and compare their leave-one-out errors"
 _WORDS = "then it is armour library WORDS"
 
 # Names of commands, options, keys and of Python, with what to use in their place, if anything.
 LEAVING = {
     "compile": "there, armour is compiled when it is built",
     "optimise --refine": _RANGE,
-    "calibrate --prior": _TESTS_OF_PRIOR,
-    "calibrate --law all": _EACH_LAW,
     "library show": _WORDS,
     "library projectiles": _WORDS,
     "library ceramics": _WORDS,
@@ -20,10 +16,7 @@ LEAVING = {
     "library metals": _WORDS,
     "table.rivals": "compare other predictions with the values of validate --json",
     "optimise(refine=True)": _RANGE,
-    "calibrate(prior=True)": _TESTS_OF_PRIOR,
-    'calibrate(law="all")': _EACH_LAW,
     "replacing equations": "there, with armour.equations(...) takes its place",
-    "armour.LawFit": "",
     "armour.ResidualVelocityFit": "",
 }
 

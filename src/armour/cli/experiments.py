@@ -36,9 +36,6 @@ from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
 
-# Sections that a fit reads, and the one that it also reads with a prior.
-FIT = ("impact", "armour", "ballistic_limit")
-OF_PRIOR = ("uncertainty",)
 WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
 EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
@@ -159,16 +156,9 @@ def calibrate(
     law: str | None = word_option(
         "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
         "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
-        "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
-        "default the scenario's law.",
-        *("constant", "ceramic", "backing", "product", "linear", "all"),
+        "linear (in both). By default the scenario's law.",
+        *("constant", "ceramic", "backing", "product", "linear"),
         metavar="LAW",
-    ),
-    prior: bool = flag(
-        "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
-        "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
-        "the density of the inputs or, if lognormal, of their logarithms.",
-        "--prior",
     ),
     library: Path | None = file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
     fitted: Path | None = file_option(
@@ -187,7 +177,7 @@ def calibrate(
     """Fit model inputs to tests."""
     if is_table(scenario):
         table, scenario = scenario, table
-    loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
+    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
     check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
@@ -195,16 +185,12 @@ def calibrate(
 
     with progress("tests") as count, runner.as_options("calibrate"):
         tests = say_how_read(table, armour.read_tests(table, loaded, where=chosen(where), sheet=sheet))
-        result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
+        result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law))
     files: Files = {
         csv: lambda _: rows_csv(result),
         library: lambda _: lazy.library_text(result, tests, loaded, lot),
         fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
     }
-    if prior:
-        runner.say_leaving("calibrate --prior")
-    if law == "all":
-        runner.say_leaving("calibrate --law all")
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
         for role in dict.fromkeys(each.name.partition(".")[0] for each in result.coefficients):

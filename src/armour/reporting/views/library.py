@@ -16,7 +16,7 @@ VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 TABLES_OF_TESTS = {
     "tests/plates": "ballistic limits of 1,084 bare plates, for armour validate plates",
     "tests/shots": "firing results on one armour, for armour v50",
-    "tests/unknown_ceramic": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
+    "tests/unknown_ceramic": "simulated ballistic limits of 4 armours, for armour calibrate",
     "tests/wilkins": "ballistic limits of 13 armours, for armour calibrate",
 }
 

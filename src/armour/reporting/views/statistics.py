@@ -102,7 +102,7 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
 
 
 def calibration_table(result: CalibrationResult) -> Table:
-    """Tabulate the errors of a fit to tests, its AICc and, if the tests have uncertainties, its chi-squared test."""
+    """Tabulate the errors of a fit to tests and, if the tests have uncertainties, its chi-squared test."""
     weighted, few = result.weights == "uncertainties", _no_error(result)
     return Table.of_one(
         result,
@@ -111,7 +111,6 @@ def calibration_table(result: CalibrationResult) -> Table:
         Column.of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent, few),
         _error("mean leave-one-out error", result.left_out_error_percent, few),
-        (Column("AICc", spec=".1f"), None if _has_prior(result) else _value_or(result.aicc, "too few tests")),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
@@ -130,11 +129,6 @@ def _error(label: str, value: float | None, few: str) -> Source:
     return (Column(label), few) if value is None else (Column(label, "%", ".1f"), value)
 
 
-def _has_prior(result: CalibrationResult) -> bool:
-    """Return whether any coefficient of a calibration has a prior."""
-    return any(coefficient.prior_share is not None for coefficient in result.coefficients)
-
-
 def coefficient_table(result: CalibrationResult) -> Table:
     """Tabulate the fitted coefficients with their intervals, or the reasons why they are not identified."""
     known = Column(f"{percent(result.confidence)} interval", prose=True)
@@ -143,29 +137,6 @@ def coefficient_table(result: CalibrationResult) -> Table:
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: _value_or(c.estimate, "not identified")),
         (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
-        (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
-    )
-
-
-PRIOR_NOTE = (
-    "part of the prior: its share of the precision (inverse variance); at 0 % the tests alone determine the estimate, "
-    "at 100 % they add nothing"
-)
-
-
-def law_table(result: CalibrationResult) -> Table:
-    """Tabulate the laws of the flow stress that were compared: their errors and AICc."""
-    few = "too few tests"
-    return Table.of(
-        result.laws,
-        Column.of("law"),
-        Column.of("coefficients", "d"),
-        (Column.of("mean_error_percent", ".1f"), lambda law: _value_or(law.mean_error_percent, few)),
-        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _value_or(law.left_out_error_percent, few)),
-        (
-            Column("AICc", spec=".1f"),
-            lambda law: _value_or(law.aicc, "none with a prior" if _has_prior(result) else few),
-        ),
     )
 
 
@@ -228,8 +199,7 @@ def own_measured(test: OwnTest) -> str:
 @tables_of.register
 def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
-    parts: list[Table | str] = [law_table(result)] if result.laws else []
-    parts += [coefficient_table(result), *([PRIOR_NOTE] if _has_prior(result) else []), calibration_table(result)]
+    parts: list[Table | str] = [coefficient_table(result), calibration_table(result)]
     parts += [correlation_table(result)] if len(result.coefficients) > 1 else []
     return [*parts, residual_table(result)]
 
