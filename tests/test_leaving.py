@@ -24,15 +24,10 @@ OPTIMUM = "paper/optimum_7.62mm_AP"
 COMMANDS = {
     "compile": ["compile"],
     "optimise --refine": [f"optimise {OPTIMUM} --refine", f"optimise {OPTIMUM} --refine --json"],
-    "library show": ["library show AD85", "library show 'NIJ 0101.06 type IV, M2 AP'", "library --json show AD85"],
-    **{f"library {kind}": [f"library {kind}"] for kind in ("projectiles", "ceramics", "threats", "metals")},
     "table.rivals": ["validate suite.toml", "report suite.toml -o suite.md"],
 }
 # Commands near to these, which stay.
-STAYING = [
-    *("library", "library --tested", f"optimise {OPTIMUM}"),
-    *("validate paper --only table", "validate plain.toml"),
-]
+STAYING = [f"optimise {OPTIMUM}", "validate paper --only table", "validate plain.toml"]
 
 
 # By what leaves, programs that use it.

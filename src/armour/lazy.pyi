@@ -31,9 +31,8 @@ from .reporting.views.design import moved_junit as moved_junit
 from .reporting.views.design import tables_of_check as tables_of_check
 from .reporting.views.design import tables_of_moved as tables_of_moved
 from .reporting.views.library import entry_tables as entry_tables
-from .reporting.views.library import library_table as library_table
 from .reporting.views.library import shipped_tables as shipped_tables
-from .reporting.views.library import threat_table as threat_table
+from .reporting.views.library import tables_by_kind as tables_by_kind
 from .reporting.views.validation import figure_table as figure_table
 from .reporting.views.validation import parity_table as parity_table
 from .reporting.views.validation import suite_junit as suite_junit
@@ -44,6 +43,7 @@ from .reporting.words import tested_here as tested_here
 from .scenario.effect import check_effect as check_effect
 from .scenario.effect import is_read as is_read
 from .scenario.library import named_threats as named_threats
+from .scenario.library import search_library as search_library
 from .scenario.library import shipped_library as shipped_library
 from .scenario.scenario import Scenario as Scenario
 from .scenario.scenario import files_of as files_of

@@ -3,17 +3,11 @@
 from warnings import warn
 
 _RANGE = "give a range without a step"
-_WORDS = "then it is armour library WORDS"
 
 # Names of commands, options, keys and of Python, with what to use in their place, if anything.
 LEAVING = {
     "compile": "there, armour is compiled when it is built",
     "optimise --refine": _RANGE,
-    "library show": _WORDS,
-    "library projectiles": _WORDS,
-    "library ceramics": _WORDS,
-    "library threats": _WORDS,
-    "library metals": _WORDS,
     "table.rivals": "compare other predictions with the values of validate --json",
     "optimise(refine=True)": _RANGE,
     "replacing equations": "there, with armour.equations(...) takes its place",

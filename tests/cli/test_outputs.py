@@ -304,7 +304,7 @@ def test_no_name_of_a_file_is_a_command_of_a_log(cli, folder: Path, name: str):
         cli("validate", path),
         cli("v50", f"{name}.csv", "--csv", "v.csv"),
         cli("ballistic-limit", path, "--json"),
-        cli("library", "show", name),
+        cli("library", name),
         cli("check", ".", "--junit", "j.xml"),
     ]
     for result in done:

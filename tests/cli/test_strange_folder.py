@@ -48,7 +48,7 @@ ANSWERED = (
     "calibrate tests/wilkins wilkins --write mine.toml --lot 7",
     "init new.toml",
     "schema",
-    "library show AD85",
+    "library AD85",
 )
 REFUSED = (
     "simulate leak.toml",

@@ -304,10 +304,10 @@ class Maker:
 
 
 def leaves(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, list[Any]]]:
-    """Yield the commands that are no groups, or do without a command, with their parameters."""
+    """Yield the commands that are no groups, with their parameters."""
     for name, inner in getattr(command, "commands", {}).items():
         yield from leaves(inner, (*path, name))
-    if path and (not hasattr(command, "commands") or command.invoke_without_command):
+    if not hasattr(command, "commands"):
         yield " ".join(path), list(command.params)
 
 
@@ -344,7 +344,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "table": Maker.shots,
     "calibrate table": Maker.tests,
     "--lot": of("2026-03", *TEXTS),
-    "name": of(*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1"),
+    "words": of(*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1", "metals", "7.62"),
     "file": to("n.toml", "n.csv", "n.ipynb", "no/n.toml"),
     "folder": to("new", "."),
     "--set": Maker.assignment,
@@ -393,7 +393,7 @@ COMMANDS: dict[str, list[Any]] = {}
 FEW = 100
 # Numbers of trials relative to other commands: of some that take long on any input, or whose input is simple.
 WEIGHTS = dict.fromkeys(("calibrate", "report", "sensitivity", "uncertainty"), 0.5) | dict.fromkeys(
-    ("figures", "schema", "library projectiles", "library ceramics", "library metals", "library threats"), 0.1
+    ("figures", "schema", "library"), 0.1
 )
 
 

@@ -15,7 +15,7 @@ from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli import experiments, scenario_commands, suites
 from armour.cli.console import emit, say
-from armour.cli.library import LISTED_KINDS, compile_, init, list_library, schema, section, show_entry
+from armour.cli.library import compile_, init, library, schema
 from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
@@ -201,15 +201,11 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
             "init mine.toml --from paper/fig9_4mm --force",
             "init suite.toml --from wilkins --from catalogue",
         ),
+        library: ("library", "library SiC", "library metals --tested", "library 7.62 steel"),
         schema: ("schema",),
         compile_: ("compile",),
     },
 }
-library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
-library.callback()(list_library)
-library.command("show", cls=Command)(show_entry)
-for _kind in LISTED_KINDS:
-    library.command(f"{_kind}s", cls=Command)(section(_kind))
 for _panel, _commands in COMMANDS.items():
     for _command, _examples in _commands.items():
         _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
@@ -222,4 +218,3 @@ for _panel, _commands in COMMANDS.items():
         else:
             app.command(_name, cls=Command, epilog=_epilog, rich_help_panel=_panel)(_command)
 app.add_typer(plan, name="plan", rich_help_panel="Use test data")
-app.add_typer(library, name="library", rich_help_panel="Prepare the input")
