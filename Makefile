@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: demo test quick lowest check site format docs bench campaigns coverage mutants release clean
 
 demo: $(VENV)/installed
-	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
+	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml
 
 test: check
 	$(BIN)/pytest -n auto

@@ -23,7 +23,6 @@ OPTIMUM = "paper/optimum_7.62mm_AP"
 # By what leaves, commands that use it.
 COMMANDS = {
     "compile": ["compile"],
-    "optimise --refine": [f"optimise {OPTIMUM} --refine", f"optimise {OPTIMUM} --refine --json"],
     "table.rivals": ["validate suite.toml", "report suite.toml -o suite.md"],
 }
 # Commands near to these, which stay.
@@ -32,7 +31,6 @@ STAYING = [f"optimise {OPTIMUM}", "validate paper --only table", "validate plain
 
 # By what leaves, programs that use it.
 PROGRAMS: dict[str, Callable[[], object]] = {
-    "optimise(refine=True)": lambda: armour.optimise(armour.load_scenario(OPTIMUM), refine=True),
     "table.rivals": lambda: armour.validate("suite.toml"),
     **{name: partial(getattr, armour, name[7:]) for name in LEAVING if name.startswith("armour.")},
 }

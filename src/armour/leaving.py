@@ -2,14 +2,10 @@
 
 from warnings import warn
 
-_RANGE = "give a range without a step"
-
 # Names of commands, options, keys and of Python, with what to use in their place, if anything.
 LEAVING = {
     "compile": "there, armour is compiled when it is built",
-    "optimise --refine": _RANGE,
     "table.rivals": "compare other predictions with the values of validate --json",
-    "optimise(refine=True)": _RANGE,
     "replacing equations": "there, with armour.equations(...) takes its place",
     "armour.ResidualVelocityFit": "",
 }
