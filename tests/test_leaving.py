@@ -5,7 +5,6 @@ import re
 import shlex
 import shutil
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -32,7 +31,6 @@ STAYING = [f"optimise {OPTIMUM}", "validate paper --only table", "validate plain
 # By what leaves, programs that use it.
 PROGRAMS: dict[str, Callable[[], object]] = {
     "table.rivals": lambda: armour.validate("suite.toml"),
-    **{name: partial(getattr, armour, name[7:]) for name in LEAVING if name.startswith("armour.")},
 }
 # Keys of JSON that leave, by command of tests/interface.json; they say nothing.
 KEYS = {
@@ -54,13 +52,11 @@ KEYS = {
 
 @pytest.fixture(autouse=True)
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Suites with and without rivals in the working folder, and no public name used before."""
+    """Suites with and without rivals in the working folder."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(SCENARIOS / "wilkins.toml", "wilkins.toml")
     Path("suite.toml").write_text(TABLE)
     Path("plain.toml").write_text(case("limit", WILKINS_LIMIT, "band = 1.0"))
-    for name in LEAVING:
-        monkeypatch.delitem(vars(armour), name.removeprefix("armour."), raising=False)
 
 
 def notes(line: str) -> list[str]:

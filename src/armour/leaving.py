@@ -2,18 +2,17 @@
 
 from warnings import warn
 
-# Names of commands, options, keys and of Python, with what to use in their place, if anything.
+# Names of commands, keys and of Python, with what to use in their place.
 LEAVING = {
     "compile": "there, armour is compiled when it is built",
     "table.rivals": "compare other predictions with the values of validate --json",
     "replacing equations": "there, with armour.equations(...) takes its place",
-    "armour.ResidualVelocityFit": "",
 }
 
 
 def leaving(what: str) -> str:
     """Return what is said when something is used that leaves: what to use in its place."""
-    return ": ".join(filter(None, (f"{what} leaves with version 3", LEAVING[what])))
+    return f"{what} leaves with version 3: {LEAVING[what]}"
 
 
 def warn_leaving(what: str, stacklevel: int) -> None:

@@ -366,11 +366,6 @@ class LibraryEntry:
         return DYNAMIC in self.derived
 
     @property
-    def has_one_source(self) -> bool:
-        """Whether a single source gives the flow stress of a ceramic without own tests; leaves with version 3."""
-        return self.evidence is None and len(self.flow_stress_sources_GPa) == 1
-
-    @property
     def sources(self) -> int:
         """Number of sources of the flow stress: those listed if it lies between them, else its own, or none."""
         if FLOW_STRESS_KEY in self.unsourced:
