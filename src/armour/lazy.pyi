@@ -53,8 +53,6 @@ from .scenario.scenario import scenario_schema as scenario_schema
 from .scenario.sections import model_in as model_in
 from .statistics.fitted_library import library_text as library_text
 from .statistics.fitted_library import scenario_text as scenario_text
-from .sweeps.cases import Grid as Grid
-from .sweeps.cases import SweepCases as SweepCases
 from .validation.figures import PARITIES as PARITIES
 from .validation.figures import compute_figure as compute_figure
 from .validation.figures import paper_figures as paper_figures

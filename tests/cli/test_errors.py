@@ -51,7 +51,7 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(
     "words",
-    ["", "simulate", "simulate a.toml --velocity fast", "fly", "plan tests", "sweep wilkins --threads 0"],
+    ["", "simulate", "simulate a.toml --velocity fast", "fly", "sweep wilkins --threads 0"],
 )
 def test_wrong_usage(cli, words: str):
     assert cli(*words.split()).exit_code == 2
