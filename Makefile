@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: build demo test quick lowest check site format docs bench campaigns coverage mutants release clean
 
 demo: $(VENV)/installed
-	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml --refine
+	$(BIN)/armour optimise scenarios/paper/optimum_7.62mm_AP.toml
 
 # Compile the numerical code again after a change of it, in half a minute.
 build: $(VENV)/developing

@@ -5,9 +5,7 @@ import re
 import shlex
 import shutil
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -21,39 +19,17 @@ from tests.test_stability import LIST
 
 STABILITY = Path(__file__).parent.parent / "docs" / "stability.md"
 OPTIMUM = "paper/optimum_7.62mm_AP"
-CERAMICS = "armour.ceramic_thickness_mm"
 # By what leaves, commands that use it.
 COMMANDS = {
-    "plan tests": [f"plan tests wilkins --candidates {CERAMICS}=5,7 --number 1 --scatter-percent 3"],
-    "optimise --refine": [f"optimise {OPTIMUM} --refine", f"optimise {OPTIMUM} --refine --json"],
-    "calibrate --prior": ["calibrate tests/unknown_ceramic unknown_ceramic --prior"],
-    "calibrate --law all": ["calibrate tests/unknown_ceramic unknown_ceramic --law all"],
-    "library show": ["library show AD85", "library show 'NIJ 0101.06 type IV, M2 AP'", "library --json show AD85"],
-    **{f"library {kind}": [f"library {kind}"] for kind in ("projectiles", "ceramics", "threats", "metals")},
     "table.rivals": ["validate suite.toml", "report suite.toml -o suite.md"],
 }
 # Commands near to these, which stay.
-STAYING = [
-    *("library", "library --tested", f"optimise {OPTIMUM}", "v50 tests/shots wilkins --prior"),
-    *("calibrate tests/unknown_ceramic unknown_ceramic", "validate paper --only table", "validate plain.toml"),
-]
-
-
-def calibrated(**options: Any) -> object:
-    scenario = armour.load_scenario("unknown_ceramic")
-    return armour.calibrate(armour.read_tests("tests/unknown_ceramic", scenario), scenario, **options)
+STAYING = [f"optimise {OPTIMUM}", "validate paper --only table", "validate plain.toml"]
 
 
 # By what leaves, programs that use it.
 PROGRAMS: dict[str, Callable[[], object]] = {
-    "plan_tests": lambda: armour.plan_tests(
-        armour.load_scenario("wilkins"), {CERAMICS: [5.0, 7.0]}, number=1, scatter_percent=3.0
-    ),
-    "optimise(refine=True)": lambda: armour.optimise(armour.load_scenario(OPTIMUM), refine=True),
-    "calibrate(prior=True)": lambda: calibrated(prior=True),
-    'calibrate(law="all")': lambda: calibrated(law="all"),
     "table.rivals": lambda: armour.validate("suite.toml"),
-    **{name: partial(getattr, armour, name[7:]) for name in LEAVING if name.startswith("armour.")},
 }
 # Keys of JSON that leave, by command of tests/interface.json; they say nothing.
 KEYS = {
@@ -64,9 +40,7 @@ KEYS = {
     "check wilkins": ["threats.outside_tests"],
     "uncertainty uncertain --samples 128": [
         *("ballistic_limit_m_s.V05", "ballistic_limit_m_s.V50", "ballistic_limit_m_s.V95"),
-        *("inputs.first", "inputs.total"),
     ],
-    "calibrate unknown_ceramic tests/unknown_ceramic": ["aicc", "laws", "coefficients.prior_share"],
     "compare wilkins": [
         *("fits", "fitted_m_s", "florence.best_ceramic_thickness_mm", "florence.best_backing_thickness_mm"),
         *("florence.best_thickness_ratio", "florence.best_ballistic_limit_m_s", "florence.model_ballistic_limit_m_s"),
@@ -77,13 +51,11 @@ KEYS = {
 
 @pytest.fixture(autouse=True)
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Suites with and without rivals in the working folder, and no public name used before."""
+    """Suites with and without rivals in the working folder."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(SCENARIOS / "wilkins.toml", "wilkins.toml")
     Path("suite.toml").write_text(TABLE)
     Path("plain.toml").write_text(case("limit", WILKINS_LIMIT, "band = 1.0"))
-    for name in LEAVING:
-        monkeypatch.delitem(vars(armour), name.removeprefix("armour."), raising=False)
 
 
 def notes(line: str) -> list[str]:

@@ -25,7 +25,7 @@ from armour.analysis.quantities import label_and_unit
 from armour.columns import COUNTED, OUTCOME_WORDS, UNITS, USUAL_NAMES, YES_OR_NO
 from armour.reporting.formats import markdown_table
 from armour.reporting.table import in_words
-from armour.reporting.views.library import entry_table, entry_tables, library_table, threat_table
+from armour.reporting.views.library import entry_table, entry_tables, tables_by_kind, threat_table
 from armour.scenario.inputs import INPUTS, Kind
 from armour.scenario.library import named_threats
 from armour.scenario.scenario import scenario_schema
@@ -192,7 +192,7 @@ def count_words() -> str:
 
 def library(kind: Any) -> str:
     """Return a table of the entries of a kind, with what each was tested with and links to the values."""
-    table = threat_table(named_threats()) if kind == "threat" else library_table(armour.shipped_library(), kind)
+    [table] = tables_by_kind({kind: named_threats() if kind == "threat" else armour.shipped_library().entries[kind]})
     head, rule, *rows = (line.split(" | ", 1) for line in markdown_table(table).splitlines())
     lines = [f"{head[0]} | tested with | {head[1]}", f"{rule[0]} | --- | {rule[1]}"]
     for (name, *cells), (_, values) in zip(table.texts(), rows, strict=True):

@@ -10,8 +10,6 @@ The public names are those in the stub file ``__init__.pyi``; each is imported o
 from collections.abc import Callable
 from functools import cache
 
-from armour.leaving import LEAVING, warn_leaving
-
 __version__ = "2.2.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
 MODEL_VERSION = "1.6"
@@ -32,8 +30,6 @@ def _public() -> tuple[Callable[[str], object], Callable[[], list[str]], list[st
 
 
 def __getattr__(name: str) -> object:
-    if (full_name := f"{__name__}.{name}") in LEAVING:
-        warn_leaving(full_name, 2)
     get, _, names = _public()
     return names if name == "__all__" else get(name)
 

@@ -31,9 +31,6 @@ from .evidence.model_error import ModelError as ModelError
 from .evidence.model_error import TestsHere as TestsHere
 from .planning.firing import ShotPlan as ShotPlan
 from .planning.firing import plan_shots as plan_shots
-from .planning.plan_tests import PlannedTest as PlannedTest
-from .planning.plan_tests import PlannedTests as PlannedTests
-from .planning.plan_tests import plan_tests as plan_tests
 from .planning.procedures import OperatingPoint as OperatingPoint
 from .reporting.show import plot as plot
 from .reporting.show import report as report
@@ -47,7 +44,6 @@ from .scenario.scenario import load_scenario as load_scenario
 from .scenario.scenario import parse_scenario as parse_scenario
 from .scenario.scenario import save_scenario as save_scenario
 from .statistics.calibration import CalibrationResult as CalibrationResult
-from .statistics.calibration import LawFit as LawFit
 from .statistics.calibration import Residual as Residual
 from .statistics.calibration import calibrate as calibrate
 from .statistics.curves import FittedCurve as FittedCurve
@@ -75,7 +71,6 @@ from .validation.comparison import Comparison as Comparison
 from .validation.comparison import RuleResult as RuleResult
 from .validation.comparison import compare as compare
 from .validation.formulas import FlorenceResult as FlorenceResult
-from .validation.formulas import ResidualVelocityFit as ResidualVelocityFit
 from .validation.suite import Case as Case
 from .validation.suite import Suite as Suite
 from .validation.suite import load_suite as load_suite

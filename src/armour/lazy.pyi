@@ -6,7 +6,6 @@ from .csv_files import number as number
 from .design.against import moved as moved
 from .design.optimise import effort as effort
 from .evidence.tests import scenario_warnings as scenario_warnings
-from .planning.plan_tests import of_candidates as of_candidates
 from .reporting.by_result import by_result as by_result
 from .reporting.by_result import tables_of as tables_of
 from .reporting.design_page import design_page as design_page
@@ -32,10 +31,8 @@ from .reporting.views.design import moved_junit as moved_junit
 from .reporting.views.design import tables_of_check as tables_of_check
 from .reporting.views.design import tables_of_moved as tables_of_moved
 from .reporting.views.library import entry_tables as entry_tables
-from .reporting.views.library import library_table as library_table
 from .reporting.views.library import shipped_tables as shipped_tables
-from .reporting.views.library import threat_table as threat_table
-from .reporting.views.planning import form_table as form_table
+from .reporting.views.library import tables_by_kind as tables_by_kind
 from .reporting.views.validation import figure_table as figure_table
 from .reporting.views.validation import parity_table as parity_table
 from .reporting.views.validation import suite_junit as suite_junit
@@ -46,6 +43,7 @@ from .reporting.words import tested_here as tested_here
 from .scenario.effect import check_effect as check_effect
 from .scenario.effect import is_read as is_read
 from .scenario.library import named_threats as named_threats
+from .scenario.library import search_library as search_library
 from .scenario.library import shipped_library as shipped_library
 from .scenario.scenario import Scenario as Scenario
 from .scenario.scenario import files_of as files_of
@@ -55,8 +53,6 @@ from .scenario.scenario import scenario_schema as scenario_schema
 from .scenario.sections import model_in as model_in
 from .statistics.fitted_library import library_text as library_text
 from .statistics.fitted_library import scenario_text as scenario_text
-from .sweeps.cases import Grid as Grid
-from .sweeps.cases import SweepCases as SweepCases
 from .validation.figures import PARITIES as PARITIES
 from .validation.figures import compute_figure as compute_figure
 from .validation.figures import paper_figures as paper_figures

@@ -2,38 +2,15 @@
 
 from warnings import warn
 
-_TESTS_TO_SPREAD = "spread tests over the thicknesses that you will use, on two back plates at least"
-_RANGE = "give a range without a step"
-_TESTS_OF_PRIOR = "add the tests behind the prior to the table"
-_EACH_LAW = "fit the laws one by one and compare their leave-one-out errors"
-_WORDS = "then it is armour library WORDS"
-
-# Names of commands, options, keys and of Python, with what to use in their place, if anything.
+# Names of commands, keys and of Python, with what to use in their place.
 LEAVING = {
-    "plan tests": _TESTS_TO_SPREAD,
-    "optimise --refine": _RANGE,
-    "calibrate --prior": _TESTS_OF_PRIOR,
-    "calibrate --law all": _EACH_LAW,
-    "library show": _WORDS,
-    "library projectiles": _WORDS,
-    "library ceramics": _WORDS,
-    "library threats": _WORDS,
-    "library metals": _WORDS,
     "table.rivals": "compare other predictions with the values of validate --json",
-    "plan_tests": _TESTS_TO_SPREAD,
-    "optimise(refine=True)": _RANGE,
-    "calibrate(prior=True)": _TESTS_OF_PRIOR,
-    'calibrate(law="all")': _EACH_LAW,
-    "armour.LawFit": "",
-    "armour.PlannedTest": "",
-    "armour.PlannedTests": "",
-    "armour.ResidualVelocityFit": "",
 }
 
 
 def leaving(what: str) -> str:
     """Return what is said when something is used that leaves: what to use in its place."""
-    return ": ".join(filter(None, (f"{what} leaves with version 3", LEAVING[what])))
+    return f"{what} leaves with version 3: {LEAVING[what]}"
 
 
 def warn_leaving(what: str, stacklevel: int) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from armour.analysis.estimates import jackknife, mean_of_replicates, proportion, proportion_of_replicates
+from armour.analysis.estimates import mean_of_replicates, proportion, proportion_of_replicates
 
 
 def test_clopper_pearson_intervals():
@@ -31,13 +31,3 @@ def test_a_proportion_of_replicates_has_the_t_interval_unless_it_is_rare():
 def test_equal_replicates_leave_a_width():
     found = proportion_of_replicates([32] * 16, [64] * 16)
     assert (found.low, found.high) == pytest.approx((0.5 - 3.69 / 1024, 0.5 + 3.69 / 1024), abs=1e-5)
-
-
-def test_the_jackknife_removes_the_bias_of_a_square():
-    """The square of a mean is too high by the variance of the mean."""
-    values = np.random.default_rng(1).normal(2.0, 1.0, 16)
-    found = jackknife(lambda sums: (sums[:, 0] / sums[:, 1]) ** 2, np.column_stack([values, np.ones(16)]))
-    assert found.value == pytest.approx(values.mean() ** 2 - values.var(ddof=1) / 16)
-    # By the delta method: twice the mean times the error of the mean.
-    plain = mean_of_replicates(values)
-    assert found.high - found.value == pytest.approx(2.0 * plain.value * (plain.high - plain.value), rel=0.1)

@@ -35,7 +35,7 @@ def offered(line: str) -> list[str]:
         ("optimise paper/opt", ["paper/optimum_25mm_APDS", "paper/optimum_7.62mm_AP"]),
         ("report bare", ["bare_plate"]),
         ("simulate other/", []),
-        ("library show B4", ["B4C"]),
+        ("library B4", ["B4C"]),
         ("init --from wi", ["wilkins"]),
         ("calibrate tests/w", ["tests/wilkins"]),
         ("calibrate tests/wilkins wilkins --fit ceramic.y", ["ceramic.youngs_modulus_GPa"]),

@@ -51,7 +51,7 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(
     "words",
-    ["", "simulate", "simulate a.toml --velocity fast", "fly", "plan tests wilkins", "sweep wilkins --threads 0"],
+    ["", "simulate", "simulate a.toml --velocity fast", "fly", "sweep wilkins --threads 0"],
 )
 def test_wrong_usage(cli, words: str):
     assert cli(*words.split()).exit_code == 2
@@ -73,7 +73,6 @@ def test_a_variable_that_is_not_set_is_no_path(cli, words: tuple[str, ...], fold
         "plan shots wilkins a.csv --result P --velocity-m-s",
         "plan shots wilkins --upper-m-s 900 --lower-m-s",
         "sweep wilkins --over armour.ceramic_thickness_mm=4,5 -o a.csv --threads",
-        "plan tests wilkins --candidates armour.ceramic_thickness_mm=4,5 --scatter-percent",
     ],
 )
 def test_numbers_that_no_table_has(cli, words: str, number: str, folder: Path):

@@ -12,8 +12,8 @@ from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, VerdictLine
 from armour.reporting.views.analysis import tables_of_impact
-from armour.reporting.views.library import library_table
-from armour.scenario.library import KINDS, shipped_library
+from armour.reporting.views.library import tables_by_kind
+from armour.scenario.library import shipped_library
 from tests.helpers.cases import scenario
 from tests.helpers.examples import examples
 
@@ -33,7 +33,7 @@ def words(lines: list[str]) -> list[str]:
 def tables() -> list[Table]:
     items = [
         *tables_of_impact(simulate(scenario()).of(confidence=confidence(scenario()))),
-        *(library_table(shipped_library(), kind) for kind in KINDS),
+        *tables_by_kind(shipped_library().entries),
     ]
     return [item for item in items if isinstance(item, Table)]
 

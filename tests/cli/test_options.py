@@ -13,10 +13,9 @@ from armour.cli import experiments, scenario_commands
 from armour.cli.app import app
 from armour.cli.options import number, share
 
-COMMANDS = [scenario_commands.optimise, experiments.v50, experiments.calibrate]
-COMMANDS += [experiments.plan_shots, experiments.plan_tests]
+COMMANDS = [scenario_commands.optimise, experiments.v50, experiments.calibrate, experiments.plan_shots]
 # Arguments, and options that name files in place of what is read from them.
-OF_FILES = {"scenario", "tests", "earlier", "candidates"}
+OF_FILES = {"scenario", "tests", "earlier"}
 
 
 @pytest.mark.parametrize("words", ["v50 tests/shots wilkins", "calibrate tests/wilkins wilkins"])

@@ -84,7 +84,6 @@ def test_a_file_that_cannot_be_written_is_told_after_the_answer(cli, own: Path, 
         ("sweep own.toml --over impact.velocity_m_s=800 -o link.csv", "link.csv"),
         ("report own.toml -o lib.toml", "lib.toml"),
         ("report suite.toml -o lib.toml", "lib.toml"),
-        ("plan tests own.toml --candidates link.csv --csv link.csv", "link.csv"),
     ],
 )
 def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read: str):
@@ -130,7 +129,6 @@ WRITING = [
     "figures figs --only fig09",
     "init {0}",
     "plan shots own.toml --plot {1}",
-    "plan tests own.toml --candidates armour.ceramic_thickness_mm=5,6 --scatter-percent 3 --csv {0} --plot {1}",
 ]
 
 
@@ -192,7 +190,6 @@ def test_the_rows_of_a_result_are_written(cli, own: Path, words: str, columns: s
         "simulate own.toml --history h.xlsx",
         "optimise own.toml --csv h.md",
         "check own.toml --csv h.txt",
-        "plan tests own.toml --candidates armour.ceramic_thickness_mm=6,8 --csv h.txt",
     ],
 )
 @pytest.mark.usefixtures("own")
@@ -207,7 +204,6 @@ def test_a_table_is_csv(cli, words: str):
         "check own.toml --junit -",
         "validate --markdown -",
         "simulate own.toml --history -",
-        "plan tests own.toml --candidates armour.ceramic_thickness_mm=6,8 --csv -",
         "report own.toml -o -",
         "init -",
     ],
@@ -308,7 +304,7 @@ def test_no_name_of_a_file_is_a_command_of_a_log(cli, folder: Path, name: str):
         cli("validate", path),
         cli("v50", f"{name}.csv", "--csv", "v.csv"),
         cli("ballistic-limit", path, "--json"),
-        cli("library", "show", name),
+        cli("library", name),
         cli("check", ".", "--junit", "j.xml"),
     ]
     for result in done:

@@ -20,7 +20,7 @@ from tests.helpers.commands import IN_A_ROW, run_in_a_row
 pytestmark = pytest.mark.slow
 
 REPOSITORY = SCENARIOS.parent
-# Imported by no command but those that plot, keep a history or refine.
+# Imported by no command but those that plot or keep a history.
 HEAVY = ["matplotlib", "numpy", "scipy"]
 # Imported by no command but those that read a scenario or the library.
 READING = ["pydantic"]

@@ -42,10 +42,9 @@ ANSWERED = (
     "figures figures --only fig09",
     "v50 tests/shots wilkins",
     "calibrate tests/wilkins wilkins --write mine.toml --lot 7",
-    "plan tests wilkins --candidates armour.ceramic_thickness_mm=6:10:2 --scatter-percent 3",
     "init new.toml",
     "schema",
-    "library show AD85",
+    "library AD85",
 )
 REFUSED = (
     "simulate leak.toml",

@@ -30,8 +30,6 @@ quantity = "ballistic_limit_m_s"
         (SHOTS, ["plan", "shots", "wilkins", "t.csv"]),
         (SHOTS, ["plan", "shots", "wilkins", "t.csv", "--result", "PP", "--velocity-m-s", "700"]),
         (TESTS, ["calibrate", "t.csv", "wilkins"]),
-        (TESTS, ["plan", "tests", "wilkins", "--tests", "t.csv", "--candidates", "armour.ceramic_thickness_mm=5:8:1"]),
-        (CASES, ["plan", "tests", "wilkins", "--candidates", "t.csv"]),
         (CASES, ["sweep", "wilkins", "--cases", "t.csv", "-o", "made.csv"]),
         (TESTS, ["validate", "s.toml"]),
     ],

@@ -41,9 +41,7 @@ def best_design(*args: Any, **changes: Any) -> BestDesign:
     return BestDesign(**{**values, **changes})
 
 
-def design_result(
-    *, refined: bool = False, threats: tuple[str, ...] = (THREAT,), pareto: bool = False, ceramic: str = "AD85"
-) -> DesignResult:
+def design_result(*, threats: tuple[str, ...] = (THREAT,), pareto: bool = False, ceramic: str = "AD85") -> DesignResult:
     """Three designs of a pair, of which the second is the best, and with a Pareto front a pair that is heavier."""
     found = best_design(ceramic, 8.0, 6.0, 43.6, 100.0)
     frontier = (design(ceramic, 10.0, 4.0, 45.0), design(ceramic, 8.0, 6.0, 43.6), design(ceramic, 7.0, 8.0, 45.6))
@@ -59,7 +57,6 @@ def design_result(
         without_limits=None,
         frontier=frontier,
         frontier_governed_by=(threats[-1],) * 3,
-        refined=best_design(ceramic, 8.1, 5.8, 43.4) if refined else None,
         pairs=(Pair(ceramic, "6061-T6", found, 0.0, ""), *((heavier, none) if pareto else ())),
         criteria=("areal_density_kg_m2", "cost_per_m2") if pareto else (),
         pareto=(design(ceramic, 8.0, 6.0, 43.6, 100.0), design("AD99.5", 7.5, 7.0, 48.0, 80.0)) if pareto else (),

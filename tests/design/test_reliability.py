@@ -287,15 +287,6 @@ def test_samples_that_are_not_allowed():
         optimise(catalogue([threat], wide))
 
 
-def test_a_design_that_is_refined_is_not_sampled():
-    threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "probability_of_perforation": 0.05}
-    with pytest.raises(InputError, match="must be left out if the design is refined"):
-        optimise(catalogue([threat], UNCERTAIN), refine=True)
-    del threat["probability_of_perforation"]
-    with pytest.raises(InputError, match=r"design\.confidence: must be left out"):
-        optimise(catalogue([threat], UNCERTAIN, confidence=0.95), refine=True)
-
-
 def test_no_design_within_the_bound():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 990.0, "probability_of_perforation": 0.02}
     result = optimise(catalogue([threat], {**UNCERTAIN, "samples": 1024}))

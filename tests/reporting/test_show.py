@@ -28,7 +28,6 @@ from tests.analysis.results import impact
 from tests.helpers.cases import scenario
 from tests.helpers.suites import case
 from tests.helpers.suites import result as suite_result
-from tests.planning.results import planned_tests
 from tests.statistics.results import uncertainty_result
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("not_laid_out")]
@@ -69,7 +68,6 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, di
         (check(scenario()), {}),
         (impact(), {}),
         (limit, {"scenario": scenario()}),
-        (planned_tests(), {}),
         (SensitivityResult({LIMIT: 723.0}, (item,)), {}),
         (suite_result(folder, case("a", 720.0, "band = 5.0")), {}),
         (sweep(scenario(), {"armour.ceramic_thickness_mm": [6.0, 7.0]}, "areal_density_kg_m2"), {}),

@@ -30,8 +30,8 @@ def uncertainty_result() -> UncertaintyResult:
             tuple(min(p + 0.01, 1.0) for p in probabilities),
         ),
         inputs=(
-            Influence("ceramic.flow_stress_GPa", None, None, (677.0, 769.0)),
-            Influence("projectile.penetrator_mass_g", None, None, (729.0, 718.0)),
+            Influence("ceramic.flow_stress_GPa", (677.0, 769.0)),
+            Influence("projectile.penetrator_mass_g", (729.0, 718.0)),
         ),
         warnings=(),
     )

@@ -1,17 +1,14 @@
-"""Fits that are not possible, and the scores of prior knowledge with their derivatives."""
+"""Fits that are not possible, and one far from its end."""
 
 from typing import Any
 
-import numpy as np
 import pytest
-from scipy.optimize import approx_fprime
 
 from armour.analysis.variants import Floats
 from armour.core.search import SCAN_POINTS
 from armour.engine import batch
 from armour.errors import InputError
 from armour.statistics.calibration import calibrate
-from armour.statistics.likelihood import Prior, prior_of
 from armour.statistics.measured import read_tests
 from tests.helpers.cases import TESTS, shipped_scenario
 from tests.helpers.fits import fitted, table_of
@@ -35,7 +32,7 @@ CERAMICS = [f"armour.ceramic,{C},{LIMIT}", "AD85,6,700", "AD99.5,7,720"]
         (TWO, {"fit": []}, "must name at least one input"),
         (TWO, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
         (TWO, {"law": "linaer"}, 'found the text "linaer"; did you mean "linear"'),
-        (TWO, {"fit": [TAU], "law": "all"}, f"calibrate: law: must not be given unless {STRESS} is fitted"),
+        (TWO, {"fit": [TAU], "law": "backing"}, f"calibrate: law: must not be given unless {STRESS} is fitted"),
         (WEIGHTED, {"law": "linear"}, "must have at least 3 measurements or outcomes for 3 coefficients, found 2"),
         (MANY, {}, "must have at most 300 limits and outcomes, found 301"),
         (CERAMICS, {}, "armour.ceramic: must be the same in all tests if the ceramic is fitted, found AD85, AD99.5"),
@@ -63,54 +60,6 @@ def test_another_scenario_than_that_of_the_tests(changes: dict[str, object], oth
     message = f"calibrate: scenario: must be the one that the tests were read with, found other {other};"
     with pytest.raises(InputError, match=message):
         calibrate(read_tests(TESTS, wilkins), wilkins.replaced(changes))
-
-
-NORMAL = {"distribution": "normal", "standard_deviation_percent": 5.0}
-
-
-@pytest.mark.parametrize(
-    ("distribution", "message"),
-    [
-        (None, "is missing and must be given for a prior"),
-        ({"distribution": "uniform", "min": 4.0, "max": 6.0}, "must be normal or"),
-        ({**NORMAL, "min": 4.0}, "without min and max, to be a prior"),
-    ],
-)
-def test_priors_that_are_none(distribution: object, message: str):
-    case = shipped_scenario("wilkins")
-    if distribution:
-        case = case.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": distribution}}})
-    with pytest.raises(InputError, match=message):
-        fitted(case, LIMIT, "720", prior=True)
-
-
-NAMES, UNITS = ("backing.flow_stress_GPa", STRESS, TAU), np.array([1.0, 5.2, 100.0])
-
-
-@pytest.fixture(scope="module")
-def prior() -> Prior:
-    section = {
-        "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 10.0}},
-        "backing": {"shear_strength_MPa": {"distribution": "lognormal", "mean": 200.0, "standard_deviation": 20.0}},
-        "correlation": [{"between": [STRESS, TAU], "coefficient": 0.6}],
-    }
-    return prior_of(shipped_scenario("wilkins").replaced({"uncertainty": section}), NAMES, UNITS)
-
-
-def test_the_scores_are_those_of_the_correlated_distribution(prior: Prior):
-    x = np.array([7.0, 1.05, 2.2])
-    spread = np.sqrt(np.log1p(0.01))
-    normal = np.array([0.5, np.log(220.0 / (200.0 / np.sqrt(1.01))) / spread])
-    matrix = np.array([[1.0, 0.6], [0.6, 1.0]])
-    assert sorted(prior.where.tolist()) == [NAMES.index(name) for name in (STRESS, TAU)]
-    assert (prior.scores(x) ** 2).sum() == pytest.approx(normal @ np.linalg.inv(matrix) @ normal)
-    assert prior.rows(x) == pytest.approx(approx_fprime(x, prior.scores, 1e-7), abs=1e-5)
-
-
-def test_the_centre_has_no_score(prior: Prior):
-    centre = prior.centred(np.array([3.0, 9.0, 9.0]))
-    assert prior.scores(centre) == pytest.approx([0.0, 0.0])
-    assert centre[0] == 3.0
 
 
 def test_a_fit_far_from_its_end_takes_no_dense_scans(monkeypatch: pytest.MonkeyPatch):

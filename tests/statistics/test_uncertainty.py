@@ -1,28 +1,24 @@
-"""Uncertainty against brute force, functions of known Sobol' indices and distributions that are known."""
+"""Uncertainty against brute force and distributions that are known."""
 
-from math import pi, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy import stats
-from scipy.integrate import quad
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate
 from armour.analysis.samples import Samples, columns_of, points_of
-from armour.analysis.variants import Floats, variants_of
+from armour.analysis.variants import variants_of
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics import uncertainty as module
 from armour.statistics.uncertainty import (
-    first_order_indices,
     probability_curve,
     quantile,
     sample_limits,
-    total_indices,
     uncertainty,
 )
 from tests.helpers.cases import scenario, shipped_scenario
@@ -120,36 +116,6 @@ def test_the_error_of_the_model_adds_to_the_inputs(uncertain: Scenario):
     assert both.inputs[0].input == "model.limit_error_percent"
 
 
-def test_the_total_index_of_the_models_error_is_exact():
-    """The armour's limit is the model's times a ratio, so that total = first (1 + CV^2), CV of the model's limit."""
-    spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
-    error_section = {"scale_percent": 5.0, "degrees_of_freedom": 30.0, "source": "tests"}
-    sections = {"samples": 256, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
-    alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
-    both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
-    [error] = [index for index in both.inputs if index.input == "model.limit_error_percent"]
-    cv = alone.standard_deviation_m_s / alone.mean_m_s
-    assert known(error.total).value / known(error.first).value == pytest.approx(1.0 + cv**2, rel=1e-4)
-    # By several laws, interactions are more than that.
-    [mixed] = [i for i in uncertainty(scenario(uncertainty=sections)).inputs if i.input == "model.limit_error_percent"]
-    assert known(mixed.total).value >= known(mixed.first).value
-
-
-def test_the_index_of_the_models_error_leaves_out_its_tails():
-    """A 10,000th on each side: with 2 degrees of freedom or fewer, the variance with them is infinite."""
-    spread = {"distribution": "normal", "standard_deviation_percent": 8.0}
-    sections = {"samples": 512, "ceramic": {"flow_stress_GPa": spread}, "backing": {"flow_stress_GPa": spread}}
-    alone = uncertainty(scenario(uncertainty={**sections, "model": {"included": False}}))
-    error_section = {"scale_percent": 2.0, "degrees_of_freedom": 2.0, "source": "tests"}
-    both = uncertainty(scenario(uncertainty={**sections, "model": error_section}))
-    [first] = [index.first for index in both.inputs if index.input == "model.limit_error_percent"]
-    t, end = stats.t(2.0), stats.t(2.0).isf(1e-4)
-    error = 0.02 * sqrt(quad(lambda x: x**2 * t.pdf(x), -end, end, limit=200)[0] / (1.0 - 2e-4))
-    model = alone.standard_deviation_m_s / alone.mean_m_s
-    assert first is not None
-    assert first.low < error**2 / (error**2 + model**2 + error**2 * model**2) < first.high
-
-
 def test_samples_by_several_laws_are_the_mixture():
     """The sampled probability is the mean, over samples of the inputs, of the probability that `confidence` gives."""
     normal = {"distribution": "normal", "standard_deviation_percent": 2.5}
@@ -157,6 +123,17 @@ def test_samples_by_several_laws_are_the_mixture():
     values = stats.norm(5.2, 0.13).ppf((np.arange(50) + 0.5) / 50)
     [exact] = evaluate(case, {"ceramic.flow_stress_GPa": values}, ["probability_of_stopping"]).values()
     assert 1.0 - exact.mean() == pytest.approx(uncertainty(case).probability_of_perforation.value, abs=0.004)
+
+
+def test_the_effect_of_an_input_is_that_of_changed_scenarios(uncertain: Scenario):
+    """With the input at two quantiles of its distribution; the input with the widest range comes first."""
+    result = uncertainty(uncertain.replaced({"uncertainty.samples": 128}))
+    found = {influence.input: influence.limits_m_s for influence in result.inputs}
+    mass = "projectile.penetrator_mass_g"
+    changed = [uncertain.with_inputs({mass: float(stats.norm(5.46, 0.0546).ppf(chance))}) for chance in (0.05, 0.95)]
+    assert found[mass] == pytest.approx([ballistic_limit(each).ballistic_limit_m_s for each in changed], abs=1e-6)
+    widths = [abs(high - low) for low, high in found.values()]
+    assert widths == sorted(widths, reverse=True)
 
 
 def test_an_unknown_error_is_told():
@@ -168,12 +145,6 @@ def test_an_unknown_error_is_told():
     assert [index.input for index in result.inputs] == ["ceramic.flow_stress_GPa"]
 
 
-def test_a_total_index_is_not_below_the_first_order_one():
-    """By their sampling errors alone it would be: 0.155 and 0.172."""
-    for index in uncertainty(shipped_scenario("uncertain").replaced({"uncertainty.samples": 2048})).inputs:
-        assert known(index.total).value >= known(index.first).value
-
-
 def test_only_the_velocity():
     result = uncertainty(
         with_section(impact={"velocity_m_s": {"distribution": "uniform", "min": 713.77, "max": 743.77}}, samples=1024)
@@ -183,18 +154,13 @@ def test_only_the_velocity():
     assert result.standard_deviation_m_s == 0.0
 
 
-def test_correlated_inputs_have_first_order_indices():
+def test_correlation_of_inputs_that_act_alike_widens_the_limit():
     normal = {"distribution": "normal", "standard_deviation_percent": 3.0}
     names = ["ceramic.density_kg_m3", "ceramic.flow_stress_GPa"]
     section = {"ceramic": {"density_kg_m3": normal, "flow_stress_GPa": normal}, "samples": 256}
     alone = uncertainty(with_section(**section))
     together = uncertainty(with_section(**section, correlation=[{"between": names, "coefficient": 0.8}]))
-    assert [index.input for index in together.inputs] == names[::-1]
-    assert all(index.total is None for index in together.inputs)
-    for index in together.inputs:
-        assert index.first is not None
-        # The limit rises with both, and each tells 64 % of the other's variance.
-        assert 0.64 < index.first.low < index.first.high < 1.0
+    assert together.inputs == alone.inputs
     assert together.standard_deviation_m_s > alone.standard_deviation_m_s
 
 
@@ -232,27 +198,13 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     section = section_of(normal, 512, correlation=[{"between": INPUTS[1:], "coefficient": 0.5}])
     whole = weights @ np.array(correlation_matrix(INPUTS, section.correlation)) @ weights
     truth = {p: sqrt(whole) * stats.norm.ppf(p) for p in (0.05, 0.5, 0.95)}
-    shares = np.array([9.0, 1.5**2, 1.5**2]) / whole
     held: list[bool] = []
     for seed in range(20):
         replicate = section.model_copy(update={"seed": seed})
         points = points_of(replicate)
         values = np.array(list(columns_of(replicate, dict.fromkeys(INPUTS, 0.0), points).values())).T @ weights
         held += [(e := quantile(values, p)).low <= true <= e.high for p, true in truth.items()]
-        estimates = first_order_indices(replicate, points, values)
-        held += [e.low <= true <= e.high for e, true in zip(estimates, shares, strict=True)]
     assert 0.92 < np.mean(held) < 0.98
-
-
-def test_one_input_has_all_of_the_variance_and_no_variance_no_index():
-    case = with_section(ceramic={"flow_stress_GPa": {"distribution": "normal", "standard_deviation": 0.2}}, samples=128)
-    [index] = uncertainty(case).inputs
-    assert index.first == index.total == Estimate(1.0, 1.0, 1.0)
-    normal = {"distribution": "normal", "standard_deviation_percent": 1.0}
-    case = with_section(ceramic={"density_kg_m3": normal, "flow_stress_GPa": normal}, samples=128)
-    points = np.random.default_rng(1).random((128, 2))
-    indices = module.influences(case, points, np.full(128, 700.0), None, lambda _: None)
-    assert [(index.first, index.total) for index in indices] == [(None, None)] * 2
 
 
 OTHER = "does not contain the scenario's value, 6.35"
@@ -319,17 +271,6 @@ def test_wrong_sections(keywords: dict[str, Any], message: str):
     assert message in str(error.value)
 
 
-def test_indices_are_of_values_that_are_allowed():
-    """The points for the indices reach farther than the samples: no thickness below zero gets into the engine."""
-    wide = {"distribution": "normal", "standard_deviation": 2.3}
-    strength = {"distribution": "normal", "standard_deviation_percent": 5.0}
-    case = with_section(
-        samples=128, seed=9, armour={"ceramic_thickness_mm": wide}, ceramic={"flow_stress_GPa": strength}
-    )
-    with pytest.raises(InputError, match="must not include values that are not allowed"):
-        uncertainty(case)
-
-
 def test_samples_without_a_limit():
     case = scenario(
         uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}, "samples": 128},
@@ -347,25 +288,3 @@ def test_samples_are_computed_in_portions(monkeypatch: pytest.MonkeyPatch):
     assert uncertainty(case, on_progress=lambda *counts: done.append(counts)) == whole
     assert max(count for count, _ in done) <= 50
     assert {total for _, total in done} == {sum(count for count, _ in done)}
-
-
-def ishigami(points: Floats) -> Floats:
-    a, b, c = pi * (2.0 * points.T - 1.0)
-    values: Floats = np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
-    return values
-
-
-@pytest.mark.parametrize("method", ["sobol", "latin hypercube"])
-def test_ishigamis_function(method: str):
-    """Saltelli et al., Global Sensitivity Analysis, 2008."""
-    v1, v2, v13 = 0.5 * (1.0 + 0.1 * pi**4 / 5.0) ** 2, 7.0**2 / 8.0, 0.1**2 * pi**8 * 8.0 / 225.0
-    section = section_of({"distribution": "uniform", "min": -pi, "max": pi}, 4096, method=method)
-    points = points_of(section)
-    first = first_order_indices(section, points, ishigami(points))
-    total = total_indices(ishigami, [0, 1, 2], 3, 4096, 1)
-    for estimates, variances in ((first, (v1, v2, 0.0)), (total, (v1 + v13, v2, v13))):
-        for estimate, variance in zip(estimates, variances, strict=True):
-            true = variance / (v1 + v2 + v13)
-            assert estimate.value == pytest.approx(true, abs=0.02)
-            # Not each of a dozen intervals need hold the truth.
-            assert abs(estimate.value - true) < 1.5 * (estimate.high - estimate.value)

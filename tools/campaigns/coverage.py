@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from math import sqrt
 
 from tools.campaigns.verdict import verdict
-from tools.experiments import calibrations, curves, firings, plans, uncertainty
+from tools.experiments import calibrations, curves, firings, uncertainty
 from tools.experiments.share import Share
 
 # Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
@@ -20,7 +20,6 @@ EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
     "wide_curves": (curves.wide_shares, 300),
     "calibrations": (calibrations.shares, 300),
     "uncertainty": (uncertainty.shares, 200),
-    "plans": (plans.shares, 200),
     "firings": (firings.shares, 250),
     "requirements": (firings.decisions, 250),
 }

@@ -63,7 +63,7 @@ CHANGING = re.compile(r"\d+ (?:rows|tests|armours).*\r")
 def commands() -> list[str]:
     """Return the examples of the help that need no file of the user, and what runs elsewhere."""
     examples = [example for group in COMMANDS.values() for each in group.values() for example in each]
-    slow = ("figures", "plan tests", "report", "optimise", "validate", "uncertainty", "--law all", "0.1 -o")
+    slow = ("figures", "report", "optimise", "validate", "uncertainty", "0.1 -o")
     quick = [f"armour {example}" for example in examples if not any(part in example for part in slow)]
     sweep = "armour sweep wilkins --over impact.velocity_m_s=700,800 -o x.csv"
     return [*quick, "armour optimise wilkins", sweep, *ACTION]

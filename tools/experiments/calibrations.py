@@ -1,6 +1,6 @@
 """How often the 95 % intervals of `armour calibrate` contain the true values, in simulated tests.
 
-The tests are Wilkins' armours with a known flow stress of the ceramic or, with a prior, one that is drawn from it.
+The tests are Wilkins' armours with a known flow stress of the ceramic.
 Ballistic limits are normal about the model's, with a standard deviation of 15 m/s where it is given to the fit, and of
 2 % where it is not.  Limits are interpolated between those of a table, to 0.01 m/s.
 """
@@ -14,7 +14,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from armour.analysis.results import ignore_progress
-from armour.analysis.samples import quantiles
 from armour.analysis.variants import Floats, Variants, variants_of
 from armour.core.equations import intact_strength
 from armour.engine.batch import fields
@@ -47,8 +46,6 @@ class Case:
     away: tuple[float, ...] = ()
     given: bool = True  # whether the fit is given the uncertainty
     law: Law = "constant"
-    prior_percent: float = 0.0  # standard deviation of the prior of the flow stress, 0 for none
-    distribution: str = "normal"
 
 
 SPREAD = tuple(np.linspace(-1.5, 1.5, 10).tolist())
@@ -60,10 +57,6 @@ CASES = [
     Case("six limits, 10 outcomes around them", SIX, (1, 2, 5, 6, 7, 10, 11, 0, 3, 4), SPREAD, given=False),
     Case("13 limits, law backing", tuple(range(13)), given=False, law="backing"),
     Case("13 limits, law backing, uncertainty given", tuple(range(13)), law="backing"),
-    Case("one limit, uncertainty given, prior", SIX[:1], prior_percent=5.0),
-    Case("one limit, uncertainty given, wide lognormal prior", SIX[:1], prior_percent=20.0, distribution="lognormal"),
-    Case("three limits, prior", SIX[:3], given=False, prior_percent=5.0),
-    Case("six limits, law backing, prior", SIX, given=False, law="backing", prior_percent=5.0),
 ]
 
 
@@ -113,18 +106,10 @@ class Simulation:
         cells: tuple[dict[str, float | str], ...] = ({},) * len(armours)
         self.tests = Tests("simulated", names, (group,), some, case.given, cells, self.scenario, names)
         self.truth = {FLOW_STRESS: TRUE_GPA} | {f"ceramic.{key}": TRUE_EXPONENT for key in LAWS[case.law]}
-        if case.prior_percent:
-            spread = {"distribution": case.distribution, "standard_deviation_percent": case.prior_percent}
-            prior = {"mean": TRUE_GPA, **spread}
-            self.scenario = self.scenario.replaced({"uncertainty": {"ceramic": {"flow_stress_GPa": prior}}})
-            self.tests = replace(self.tests, groups=(group._replace(scenario=self.scenario),))
 
     def drawn(self, dice: np.random.Generator) -> Tests:
-        """Return simulated tests, of a flow stress drawn from the prior if there is one."""
-        case, first, section = self.case, len(self.case.limits), self.scenario.uncertainty
-        if section is not None and case.prior_percent:
-            found = quantiles(section.inputs()[FLOW_STRESS], dice.random(1), TRUE_GPA)
-            self.truth[FLOW_STRESS] = float(found[0])
+        """Return simulated tests."""
+        case, first = self.case, len(self.case.limits)
         true = with_ceramic(self.scenario, {name.split(".")[1]: value for name, value in self.truth.items()})
         limits = likelihood_fit.MODELS[LIMIT](variants_of(true, self.columns, len(self.tests.names)))
         deviations = np.full(len(limits), GIVEN_M_S) if case.given else RELATIVE * limits
@@ -138,8 +123,7 @@ class Simulation:
 
     def held(self, dice: np.random.Generator) -> Iterable[str]:
         """Return the inputs whose intervals hold the true value."""
-        tests, prior = self.drawn(dice), self.case.prior_percent > 0.0
-        likelihood = likelihood_fit.likelihood_of(tests, [*self.truth], ignore_progress, prior=prior)
+        likelihood = likelihood_fit.likelihood_of(self.drawn(dice), [*self.truth], ignore_progress)
         fit = likelihood_fit.fit_inputs(likelihood)
         for found in likelihood_fit.intervals(fit):
             if holds(found.interval or (None, None), self.truth[found.name]):

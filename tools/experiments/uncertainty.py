@@ -1,31 +1,27 @@
 """How often the 95 % intervals of `armour uncertainty` contain the truth.
 
 The truth is that of 2^18 samples, whose error is about a tenth of the intervals', with the model error integrated for
-the probability, first-order indices by a linear spline in place of the polynomials, and that of the model error by the
-mean limits of its laws.
+the probability.
 """
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import make_lsq_spline
 
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import portions
 from armour.analysis.samples import by_laws, columns_of, own_errors, own_values, points_of, sampled, section_of
-from armour.analysis.variants import Floats, Ints, ballistic_limits
-from armour.scenario.inputs import ERROR, VELOCITY
+from armour.analysis.variants import ballistic_limits
+from armour.scenario.inputs import ERROR
 from armour.scenario.scenario import Scenario, load_scenario
-from armour.statistics.uncertainty import LEFT_OUT_TAIL, SAMPLES_AT_A_TIME, V_P, sample_limits, uncertainty
+from armour.statistics.uncertainty import SAMPLES_AT_A_TIME, V_P, sample_limits, uncertainty
 from tools.experiments.share import Share
 
 SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
 # Least share of the intervals of a method that must contain the truth, per cent.
 LEAST = 93.0
 REFERENCE = {"uncertainty.samples": 2**18, "uncertainty.seed": 1_000_000}
-# Parts of the splines of the reference, with equal numbers of samples.
-PIECES = 32
 CORRELATED = {
     "uncertainty.armour.ceramic_thickness_mm": {"distribution": "uniform", "min": 5.75, "max": 6.95},
     "uncertainty.backing.dynamic_yield_strength_MPa": {"distribution": "normal", "standard_deviation_percent": 10.0},
@@ -41,46 +37,18 @@ def truths(scenario: Scenario) -> dict[str, float]:
     scenario = scenario.replaced(REFERENCE)
     section, own = section_of(scenario), own_values(scenario)
     points = points_of(section)
-    stopping, limits, factors = np.zeros((3, len(points)))
+    stopping, limits = np.zeros((2, len(points)))
     errors = own_errors(scenario)
     for part in portions(len(points), SAMPLES_AT_A_TIME):
         columns, count = columns_of(section, own, points[part]), part.stop - part.start
-        samples = sampled(scenario, columns, count)
-        limits[part], factors[part] = sample_limits(samples), samples.factor
+        limits[part] = sample_limits(sampled(scenario, columns, count))
         del columns[ERROR]
         exact = sampled(scenario, columns, count).variants
         for law, [weight] in enumerate(errors.ratio.weights.tolist()):
             of_law = errors.of_law(law).times(ballistic_limits(by_laws(exact, errors, np.full(count, law))))
             stopping[part] += weight * of_law.probability_above(exact.velocities)
     found = {"probability": float(1.0 - stopping.mean()), "mean": float(limits.mean())}
-    found |= {name: float(np.quantile(limits, chance)) for name, chance in V_P.items()}
-    columns = columns_of(section, own, points)
-    found |= {name: explained(values, limits) for name, values in columns.items() if name not in (VELOCITY, ERROR)}
-    laws = np.searchsorted(own_errors(scenario).ratio.weights.ravel().cumsum(), columns[ERROR])
-    return found | {ERROR: explained_by_error(factors, laws, limits)}
-
-
-def explained(values: Floats, limits: Floats) -> float:
-    """Return the share of the variance of limits that a linear spline of the values of an input explains."""
-    order = np.argsort(values)
-    x, y = values[order], limits[order]
-    knots = np.quantile(x, np.linspace(0.0, 1.0, PIECES + 1))
-    spline = make_lsq_spline(x, y, np.r_[knots[0], knots, knots[-1]], k=1)
-    return float(1.0 - np.var(y - spline(x)) / np.var(y))
-
-
-def explained_by_error(factors: Floats, laws: Ints, limits: Floats) -> float:
-    """Return the share of the variance of limits that the model error explains: a law, and a factor of its limits.
-
-    The tails of the factors of a law are left out, as `armour uncertainty` does.
-    """
-    kept = np.zeros(len(laws), dtype=bool)
-    for law in np.unique(laws):
-        low, high = np.quantile(factors[laws == law], [LEFT_OUT_TAIL, 1.0 - LEFT_OUT_TAIL])
-        kept |= (laws == law) & (factors >= low) & (factors <= high)
-    factors, laws, limits = factors[kept], laws[kept], limits[kept]
-    means = np.bincount(laws, limits / factors) / np.bincount(laws)
-    return float(np.var(factors * means[laws]) / np.var(limits))
+    return found | {name: float(np.quantile(limits, chance)) for name, chance in V_P.items()}
 
 
 def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
@@ -89,9 +57,6 @@ def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
     yield "probability", result.probability_of_perforation
     yield "mean", Estimate(result.mean_m_s, *result.mean_interval_m_s)
     yield from result.ballistic_limit_m_s.items()
-    for index in result.inputs:
-        assert index.first is not None
-        yield index.input, index.first
 
 
 def shares(seeds: int, first: int) -> Iterator[Share]:

@@ -1,6 +1,6 @@
 """Estimates from samples: proportions, means and statistics of replicates, with confidence intervals."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log, sqrt
 from typing import Annotated
@@ -64,14 +64,3 @@ def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estim
     # All replicates may have the same proportion, but the interval is not narrower than about one hit in all of them.
     half = max(mean.high - mean.value, -log(INTERVAL_TAIL) / samples)
     return Estimate(plain.value, max(0.0, plain.value - half), min(1.0, plain.value + half))
-
-
-def jackknife(statistic: Callable[[Floats], Floats], sums: Floats) -> Estimate:
-    """Estimate a statistic of sums over all samples by the jackknife, with the t interval.
-
-    `sums` has the sums over each independent replicate, (replicates, ...); `statistic` maps stacked sums, (n, ...), to
-    values, (n,).  The jackknife also removes the bias that is inversely proportional to the number of samples.
-    """
-    whole = sums.sum(axis=0)
-    values = statistic(np.concatenate([whole[None], whole - sums]))
-    return mean_of_replicates(len(sums) * values[0] - (len(sums) - 1) * values[1:])

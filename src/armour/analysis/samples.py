@@ -118,19 +118,14 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
 
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return the points of the unit cube at which the inputs of a section are sampled, (samples, inputs)."""
+    """Return points within the unit cube, (samples, inputs): scrambled Sobol' sequences or Latin hypercubes."""
     if not uncertainty.inputs():
         return np.empty((uncertainty.samples, 0))
-    return replicated_points(uncertainty.method, len(uncertainty.inputs()), uncertainty.samples, uncertainty.seed)
-
-
-def replicated_points(method: str, width: int, samples: int, seed: int) -> Floats:
-    """Return points within the unit cube, shape (samples, width): scrambled Sobol' sequences or Latin hypercubes."""
     from scipy.stats import qmc  # slow to import
 
-    rng = np.random.default_rng(seed)
-    sampler = qmc.Sobol if method == "sobol" else qmc.LatinHypercube
-    sizes = (len(part) for part in np.array_split(np.empty(samples), REPLICATES))
+    rng, width = np.random.default_rng(uncertainty.seed), len(uncertainty.inputs())
+    sampler = qmc.Sobol if uncertainty.method == "sobol" else qmc.LatinHypercube
+    sizes = (len(part) for part in np.array_split(np.empty(uncertainty.samples), REPLICATES))
     points = np.concatenate([sampler(width, rng=rng).random(size) for size in sizes])
     # The quantile at 0 of an unbounded distribution is infinite.
     return np.clip(points, 2.0**-53, 1.0 - 2.0**-53, out=points)

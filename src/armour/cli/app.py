@@ -15,7 +15,7 @@ from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli import experiments, scenario_commands, suites
 from armour.cli.console import emit, say
-from armour.cli.library import LISTED_KINDS, init, list_library, schema, section, show_entry
+from armour.cli.library import init, library, schema
 from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
@@ -151,11 +151,10 @@ plan = typer.Typer(cls=Reporting, no_args_is_help=True)
 
 @plan.callback()
 def _plan() -> None:
-    """Plan tests: the next shot of a V50 firing, or which armours to test."""
+    """Plan the next shot of a V50 firing."""
 
 
 W, SUITE = "wilkins", "paper"
-CERAMICS, PLATES = "armour.ceramic_thickness_mm=4:12:1", "armour.backing_thickness_mm=4:10:1"
 
 # Commands by their heading in the help, each with examples; the tests run them.
 COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
@@ -195,10 +194,6 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
             f"plan shots {W} firing.csv --result complete --plot plan.svg",
             f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
         ),
-        experiments.plan_tests: (
-            f"plan tests {W} --candidates {CERAMICS} --candidates {PLATES} --scatter-percent 3",
-            f"plan tests {W} --candidates {CERAMICS} --tests tests/wilkins --law ceramic --csv t.csv --plot t.svg",
-        ),
     },
     "Prepare the input": {
         init: (
@@ -206,14 +201,10 @@ COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
             "init mine.toml --from paper/fig9_4mm --force",
             "init suite.toml --from wilkins --from catalogue",
         ),
+        library: ("library", "library SiC", "library metals --tested", "library 7.62 steel"),
         schema: ("schema",),
     },
 }
-library = typer.Typer(cls=Reporting, invoke_without_command=True, no_args_is_help=False)
-library.callback()(list_library)
-library.command("show", cls=Command)(show_entry)
-for _kind in LISTED_KINDS:
-    library.command(f"{_kind}s", cls=Command)(section(_kind))
 for _panel, _commands in COMMANDS.items():
     for _command, _examples in _commands.items():
         _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
@@ -221,9 +212,8 @@ for _panel, _commands in COMMANDS.items():
             # In the text below, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
         _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
-        if _command in (experiments.plan_shots, experiments.plan_tests):
+        if _command is experiments.plan_shots:
             plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)
         else:
             app.command(_name, cls=Command, epilog=_epilog, rich_help_panel=_panel)(_command)
 app.add_typer(plan, name="plan", rich_help_panel="Use test data")
-app.add_typer(library, name="library", rich_help_panel="Prepare the input")

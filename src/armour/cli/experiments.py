@@ -1,8 +1,7 @@
-"""Commands on tests of armours: estimate from them, and plan further ones."""
+"""Commands on tests of armours: estimate from them, and plan the next shot."""
 
 from contextlib import ExitStack
 from functools import partial
-from os.path import exists
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,6 @@ from armour.cli.options import (
     file_option,
     flag,
     given,
-    inputs_option,
     number_option,
     option,
     share,
@@ -32,17 +30,12 @@ from armour.cli.options import (
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
 from armour.cli.scenario_commands import LIMIT_READS
-from armour.errors import point_hint, restated
+from armour.errors import point_hint
 from armour.files import shell_line, shipped_tests
-from armour.reporting.table import csv_text, rows_csv
+from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
 
-# Sections that a fit reads, and the one that it also reads with a prior.
-FIT = ("impact", "armour", "ballistic_limit")
-OF_PRIOR = ("uncertainty",)
-# Laws of the ceramic's flow stress.
-LAW_NAMES = ("constant", "ceramic", "backing", "product", "linear")
 WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
 EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
@@ -155,21 +148,17 @@ def calibrate(
         autocompletion=completion.tables,
     ),
     scenario: Path = SCENARIO,
-    fit: list[str] | None = inputs_option("Input to fit, or several; by default the ceramic's flow stress."),
+    fit: list[str] | None = option(
+        "Input to fit, or several; by default the ceramic's flow stress. Repeatable.",
+        metavar="INPUT",
+        autocompletion=completion.inputs,
+    ),
     law: str | None = word_option(
         "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
         "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
-        "linear (in both); or all, to compare them and keep the one with the smallest leave-one-out error. By "
-        "default the scenario's law.",
-        *LAW_NAMES,
-        "all",
+        "linear (in both). By default the scenario's law.",
+        *("constant", "ceramic", "backing", "product", "linear"),
         metavar="LAW",
-    ),
-    prior: bool = flag(
-        "Use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their "
-        "correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and "
-        "the density of the inputs or, if lognormal, of their logarithms.",
-        "--prior",
     ),
     library: Path | None = file_option("Write a library file with the fitted entries.", "--write", metavar="LIB.toml"),
     fitted: Path | None = file_option(
@@ -188,7 +177,7 @@ def calibrate(
     """Fit model inputs to tests."""
     if is_table(scenario):
         table, scenario = scenario, table
-    loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
+    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
     check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
@@ -196,16 +185,12 @@ def calibrate(
 
     with progress("tests") as count, runner.as_options("calibrate"):
         tests = say_how_read(table, armour.read_tests(table, loaded, where=chosen(where), sheet=sheet))
-        result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law, prior=prior))
+        result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law))
     files: Files = {
         csv: lambda _: rows_csv(result),
         library: lambda _: lazy.library_text(result, tests, loaded, lot),
         fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
     }
-    if prior:
-        runner.say_leaving("calibrate --prior")
-    if law == "all":
-        runner.say_leaving("calibrate --law all")
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
         for role in dict.fromkeys(each.name.partition(".")[0] for each in result.coefficients):
@@ -375,96 +360,3 @@ def plan_shots(
         answer(planned, loaded, files, warnings, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if each and planned.unanswered:
         raise typer.Exit(runner.NO_ANSWER)
-
-
-def plan_tests(
-    scenario: Path = SCENARIO,
-    candidates: list[str] = option(
-        "Armours available for testing: KEY=MIN:MAX:STEP or KEY=V,V,..., repeated to span a grid; or a CSV file "
-        "whose header names keys and, if targets differ in cost, cost.",
-        metavar="KEY=VALUES|FILE",
-        autocompletion=completion.numbers,
-        default=...,
-    ),
-    fit: list[str] | None = inputs_option("Input to determine, or several; by default the ceramic's flow stress."),
-    law: str | None = word_option(
-        "Law of the ceramic's flow stress, as in calibrate: constant, ceramic, backing, product or linear. "
-        "Its coefficients are determined too.",
-        *LAW_NAMES,
-        metavar="LAW",
-    ),
-    number: Any = number_option(
-        "Number of tests to plan, 1 to 200. A candidate may be tested several times. By default 4."
-    ),
-    criterion: str | None = word_option(
-        '"D" minimises the joint confidence region of the inputs, "I" the mean variance of the designs\' ballistic '
-        "limits; by default D.",
-        *("D", "I"),
-        metavar="D|I",
-    ),
-    measure: str | None = word_option(
-        "What a test measures: the ballistic limit, or whether one shot at impact.velocity_m_s perforates; by "
-        "default limit.",
-        *("limit", "outcome"),
-        metavar="limit|outcome",
-    ),
-    scatter_percent: Any = number_option(
-        "Standard deviation of a test, % of the ballistic limit, 0.01 to 50; by default that of the earlier tests."
-    ),
-    cost: Any = number_option("Cost of a test without its target."),
-    prior: bool = flag("Use the scenario's distributions of the fitted inputs as priors.", "--prior"),
-    tests: Path | None = option("CSV file of earlier tests.", metavar="FILE", autocompletion=completion.tables),
-    design: list[Path] | None = option(
-        "Scenario of the intended design, repeatable; by default SCENARIO.",
-        metavar="SCENARIO",
-        autocompletion=completion.scenarios,
-    ),
-    csv: Path | None = file_option("Write the earlier tests and the planned ones, to be filled in, as CSV."),
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
-) -> None:
-    """Choose the armours to test that best determine model inputs, or the ballistic limit of a design.
-
-    This command leaves with version 3: spread tests over the thicknesses that you will use, on two back plates at
-    least.
-    """
-    loaded = read_scenario(scenario, changes, FIT + OF_PRIOR * prior)
-    inputs = [scenario, tests, *candidates, *(design or ())]
-    check_outputs(tables=[csv], inputs=inputs, scenario=loaded, plot=plot, force=force)
-    with progress("armours") as count, runner.as_options("plan_tests", {"designs": "--design"}):
-        source = _candidates(candidates)
-        earlier_tests = None if tests is None else say_how_read(tests, armour.read_tests(tests, loaded))
-        options = given(
-            fit=fit,
-            law=law,
-            number=number,
-            tests=earlier_tests,
-            criterion=criterion,
-            designs=[read_scenario(path, None, FIT) for path in design or ()],
-            measure=measure,
-            scatter_percent=scatter_percent,
-            cost=cost,
-            prior=prior,
-        )
-        result = armour.plan_tests(loaded, source, on_progress=count, **options)
-    runner.say_leaving("plan tests")
-    files: Files = {csv: lambda _: csv_text(lazy.form_table(result))}
-    answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
-
-
-def _candidates(candidates: list[str]) -> "lazy.Grid | lazy.SweepCases":
-    """Return the candidates for tests as a grid, from texts "KEY=VALUES", or from one CSV file."""
-    from armour.cli import sweeping
-
-    if all("=" in text for text in candidates):
-        with restated(lazy.of_candidates):
-            return sweeping.grid_of("--candidates", candidates)
-    if len(candidates) > 1:
-        raise wrong_option("--candidates", "must be one CSV file, or keys with values")
-    [file] = candidates
-    if not file.endswith(".csv") and not exists(file):
-        raise wrong_option("--candidates", f'must be KEY=VALUES or a CSV file, found "{file}"')
-    return sweeping.cases_of(file)

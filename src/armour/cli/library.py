@@ -1,6 +1,6 @@
-"""Commands on shipped data: list the library, copy files to start from, and print the schema."""
+"""Commands on shipped data: search the library, copy files to start from, and print the schema."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from os.path import relpath
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from armour.cli import completion
 from armour.cli.console import progress, show, show_json
 from armour.cli.folders import YES, scenario_paths
 from armour.cli.options import AS_JSON, FORCE, argument, flag, option
-from armour.cli.runner import check_outputs, propose, say_leaving, show_answer, source_word, write
+from armour.cli.runner import check_outputs, propose, show_answer, source_word, write, wrong_option
 from armour.errors import InputError, Problem, refuse
 from armour.files import (
     located,
@@ -27,68 +27,49 @@ from armour.files import (
 )
 from armour.reporting.table import Table
 
-# Kinds of entries; each has a command, its plural, that lists them.
-LISTED_KINDS = ("projectile", "ceramic", "threat", "metal")
 # First line of a scenario, by which editors find the schema to check it; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
-ONLY_TESTED = flag("List only entries for which tests provide a model error.", "--tested")
 
 
-def list_library(ctx: typer.Context, tested: bool = ONLY_TESTED, as_json: bool = AS_JSON) -> None:
-    """List projectiles, ceramics and threats; `armour library metals` lists the metals, which are many."""
-    if ctx.invoked_subcommand is None:
-        _list(LISTED_KINDS, tested=tested, as_json=as_json)
-
-
-def section(kind: str) -> Callable[..., None]:
-    """Return the command that lists the entries of a kind."""
-
-    def listed(ctx: typer.Context, tested: bool = ONLY_TESTED, as_json: bool = AS_JSON) -> None:
-        options = ctx.parent.params if ctx.parent is not None else {}
-        say_leaving(f"library {kind}s")
-        _list((kind,), tested=tested or options["tested"], as_json=as_json or options["as_json"])
-
-    listed.__doc__ = f"List {kind}s."
-    return listed
-
-
-def _list(kinds: Sequence[str], *, tested: bool, as_json: bool) -> None:
-    """List the entries of some kinds; with `tested`, only those for which tests provide a model error."""
-    library, partners = lazy.shipped_library(), None
-    data: dict[str, dict[str, Any]] = library.to_dict()
-    threats = lazy.named_threats()
-    if tested:
-        partners = lazy.tested_with()
-        tested_data: dict[str, dict[str, Any]] = {kind: {} for kind in data}
-        for (kind, name), words in partners.items():
-            tested_data[kind][name] = {**data[kind][name], "tested_with": list(words)}
-        data = tested_data
-        threats = {name: threat for name, threat in threats.items() if ("projectile", threat.projectile) in partners}
-    data["threat"] = {name: threat.model_dump() for name, threat in threats.items()}
-    tables: dict[str, Table | str] = {kind: lazy.library_table(library, kind, partners) for kind in library.entries}
-    tables["threat"] = lazy.threat_table(threats)
-    if len(kinds) > 1:
-        tables["metal"] = f"{len(data['metal'])} metals: armour library metals{' --tested' * tested}"
-    show_answer({kind: data[kind] for kind in kinds}, [tables[kind] for kind in kinds], as_json=as_json)
-
-
-def show_entry(
-    ctx: typer.Context,
-    name: str = argument("NAME", "Name of the entry.", autocompletion=completion.entries),
+def library(
+    words: list[str] | None = argument(
+        "WORDS",
+        "A name, or words that the name or the description contains; a kind, such as metals, picks this kind.",
+        autocompletion=completion.entries,
+        default=None,
+    ),
+    tested: bool = flag("List only entries for which tests provide a model error, with what was tested.", "--tested"),
     as_json: bool = AS_JSON,
 ) -> None:
-    """Show an entry with the source of every value."""
-    as_json = as_json or (ctx.parent is not None and ctx.parent.params["as_json"])
-    if threat := lazy.named_threats().get(name):
-        content = {"kind": "threat", "name": name, **threat.model_dump()}
-        show_answer(
-            content, (lazy.threat_table({name: threat}), f"source: {threat.source}"), as_json=as_json, heading=[name]
-        )
-    else:
-        for entry in lazy.shipped_library().find(name):
-            heading = [f"{entry.name} ({entry.kind})"]
-            show_answer(entry.to_dict(), lazy.entry_tables(entry), as_json=as_json, heading=heading)
-    say_leaving("library show")
+    """List projectiles, ceramics, threats and metals: all, or those with the words, in upper or lower case.
+
+    If there is one, it is shown with the source of every value.
+    """
+    found = lazy.search_library(words or ())
+    partners = lazy.tested_with() if tested else None
+    if partners is not None:
+        found = [each for each in found if _in_tests(*each) in partners]
+        if not found:
+            raise wrong_option("--tested", "must not be given: no tests of these provide a model error")
+    items: dict[str, dict[str, Any]] = {kind: {} for kind, _, _ in found}
+    data: dict[str, dict[str, Any]] = {kind: {} for kind in items}
+    for kind, name, item in found:
+        items[kind][name] = item
+        data[kind][name] = item.model_dump() if kind == "threat" else item.to_dict()
+        if partners is not None:
+            data[kind][name]["tested_with"] = partners[_in_tests(kind, name, item)]
+    heading: list[str] = []
+    tables: list[Table | str] = [*lazy.tables_by_kind(items, partners)]
+    if len(found) == 1 and not tested:
+        [(kind, name, item)] = found
+        heading = [f"{name} ({kind})"]
+        tables = [*tables, f"source: {item.source}"] if kind == "threat" else lazy.entry_tables(item)
+    show_answer(data, tables, as_json=as_json, heading=heading)
+
+
+def _in_tests(kind: Any, name: str, item: Any) -> tuple[Any, str]:
+    """Return kind and name of what tests of an entry name: the entry itself, or the projectile of a threat."""
+    return ("projectile", item.projectile) if kind == "threat" else (kind, name)
 
 
 def init(

@@ -59,11 +59,6 @@ def word_option(description: str, *words: str, metavar: str) -> Any:
     return option(description, metavar=metavar, autocompletion=lambda: words)
 
 
-def inputs_option(description: str) -> Any:
-    """Make an option whose value is the name of an input; it can be repeated."""
-    return option(f"{description} Repeatable.", metavar="INPUT", autocompletion=completion.inputs)
-
-
 def given(**options: Any) -> dict[str, Any]:
     """Return the options that are not None."""
     return {name: value for name, value in options.items() if value is not None}

@@ -212,7 +212,6 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, probability
 
 def optimise(
     scenario: Path = SCENARIO,
-    refine: bool = flag("Also find the best design with both layers free within their ranges.", "--refine"),
     csv: Path | None = file_option(
         "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
     ),
@@ -239,11 +238,9 @@ def optimise(
         designs, seconds = lazy.effort(loaded)
         threats = counted(len(loaded.threats()), "threat")
         runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
-        result = armour.optimise(loaded, refine=refine, on_progress=count)
+        result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
     files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
-    if refine:
-        runner.say_leaving("optimise --refine")
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if source != "-" and result.shown is not None:
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
@@ -370,7 +367,7 @@ def sweep(
         ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
     )
     with runner.as_options("sweep"):
-        source = sweeping.grid_of("--over", over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
 

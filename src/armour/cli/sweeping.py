@@ -25,15 +25,12 @@ def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
     return cases
 
 
-def grid_of(option: str, texts: Sequence[str]) -> Grid:
-    """Return the grid of the axes in `texts`, such as "key=4:12:1", and warn if a step misses the end of a range.
-
-    `option` is the option in the warnings.
-    """
+def grid_of(texts: Sequence[str]) -> Grid:
+    """Return the grid of the axes in `texts`, such as "key=4:12:1", and warn if a step misses the end of a range."""
     axes = tuple(map(axis_of, texts))
     for axis in axes:
         if axis.omission:
-            say(f"warning: {option} {axis.key}: {axis.omission}")
+            say(f"warning: --over {axis.key}: {axis.omission}")
     return Grid(axes)
 
 

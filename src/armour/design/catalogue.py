@@ -227,8 +227,8 @@ class Catalogue:
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
-            if layer.free_range(refine=True):
-                values = layer.thicknesses()
+            thickness, values = layer.thickness_mm, layer.thicknesses()
+            if not isinstance(thickness, list) and thickness.min < thickness.max:
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
         return ranges
 

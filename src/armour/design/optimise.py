@@ -17,11 +17,10 @@ from armour.design.catalogue import FIRST_VALUES, MARGIN_COLUMN, NO_BOUND, Candi
 from armour.design.designs import NOT_KNOWN, PASSES, Designs, Reliability, Runs, required_of, stopped, verdicts_of
 from armour.design.requirements import Requirement, against_threat, of_armour, verdict_of
 from armour.design.search import FreeThicknesses, candidates_of, pareto
-from armour.errors import Note, Problem, joined, listed, refuse
+from armour.errors import Note, joined, listed
 from armour.evidence.caveats import caveats, no_metal
 from armour.evidence.model_error import INTERLAYER, REMEDY, ModelError, error_of
 from armour.evidence.tests import against_each, contradicted, threat_warnings
-from armour.leaving import warn_leaving
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
@@ -195,8 +194,6 @@ class DesignResult(TableResult):
         probabilities included; of more than 1,000 thicknesses, only for every second, third, and so on.
     frontier_governed_by : tuple of str
         Governing threat of each design of the frontier.
-    refined : BestDesign or None
-        Best design with both layers free within their ranges, if requested.
     pairs : tuple of Pair
         Best first.
     criteria : tuple of str
@@ -236,7 +233,6 @@ class DesignResult(TableResult):
     designs: int
     runs: int
     warnings: tuple[str, ...]
-    refined: BestDesign | None = None
     pareto: tuple[Design, ...] = ()
     not_monotonic_mm: tuple[float, ...] = ()
     ceramic_min_mm: float | None = None
@@ -253,13 +249,6 @@ class DesignResult(TableResult):
     def reported(self) -> BestDesign | None:
         """The design shown or, without one, the best design of the first pair that has one; it is not ranked then."""
         return self.shown or next((pair.best for pair in self.pairs if pair.best is not None), None)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data; ``refined`` only if requested."""
-        data = super().to_dict()
-        if self.refined is None:
-            del data["refined"]
-        return data
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
         """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
@@ -289,7 +278,6 @@ def armour_in_words(design: Design) -> str:
 def optimise(
     scenario: Scenario,
     *,
-    refine: bool = False,
     probability: RequiredProbability | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> DesignResult:
@@ -306,8 +294,6 @@ def optimise(
         Its sections ``design`` and ``optimise`` give the materials and thicknesses, its list ``threat`` the threats;
         without them, they are the scenario's own pair of materials and impact.  Where there are threats, the impact is
         not used.
-    refine : bool, default False
-        Whether to also find the best design with both layers free within their ranges.
     probability : float, optional
         Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.
     on_progress : callable, optional
@@ -320,13 +306,10 @@ def optimise(
     Raises
     ------
     InputError
-        If something is missing in the scenario, there is no range to refine, or a run does not end.
+        If something is missing in the scenario, or a run does not end.
     """
     scenario = scenario.requiring(probability)
     catalogue = catalogue_of(scenario)
-    if refine:
-        warn_leaving("optimise(refine=True)", 3)
-        refuse(_not_refinable(catalogue))
     search = FreeThicknesses(catalogue, Runs(on_progress))
     designs, place, reason = _best_place(search)
     least = NOT_KNOWN if reason else PASSES
@@ -372,7 +355,7 @@ def optimise(
         warnings=tuple(warnings),
     )
     if place is not None and has_frontier:
-        result = _with_frontier(result, designs, search, place, least, refine=refine)
+        result = _with_frontier(result, designs, search, place, least)
     every = order if len(order) <= MOST_SHOWN else order[:0]
     margins = designs.margins_m_s(every).tolist()
     return replace(
@@ -384,9 +367,9 @@ def optimise(
 
 
 def _with_frontier(
-    result: DesignResult, designs: Designs, search: FreeThicknesses, place: int, least: int, *, refine: bool
+    result: DesignResult, designs: Designs, search: FreeThicknesses, place: int, least: int
 ) -> DesignResult:
-    """Add the frontier of the design shown, the refined design if requested, and the Pareto front to a result.
+    """Add the frontier of the design shown and the Pareto front to a result.
 
     `place` is the place of the design shown; designs on the frontier have at least the verdict `least`.
     """
@@ -398,7 +381,6 @@ def _with_frontier(
         without_mm = np.setdiff1d(designs.frontier_backings(place), backings[frontier]).tolist()
     ceramic_min_mm = next((low for _, name, low, _ in catalogue.ranges(pair) if name == "ceramic"), 0.0) or None
     not_monotonic_mm = designs.not_monotonic_mm(frontier)
-    refined = _refined(designs, search, place) if refine else None
     front = _pareto(designs, search, result.criteria, least) if result.criteria else ()
     changing = (*designs.changing(), *((pair, "ceramic", other) for other in not_monotonic_mm))
     warnings = (
@@ -411,7 +393,6 @@ def _with_frontier(
         result,
         frontier=frontier_designs,
         frontier_governed_by=tuple(catalogue.titles[threat] for threat in _governing(designs, frontier)),
-        refined=refined,
         pareto=front,
         not_monotonic_mm=not_monotonic_mm,
         ceramic_min_mm=ceramic_min_mm,
@@ -439,22 +420,11 @@ def effort(scenario: Scenario) -> tuple[int, float]:
     return count, (perf_counter() - begun) / (len(some[0]) * len(some[1])) * count
 
 
-def _not_refinable(catalogue: Catalogue) -> Iterator[Problem]:
-    """Yield the reasons why the best design cannot be refined, if any."""
-    file = catalogue.scenario.file
-    if catalogue.sampled:
-        message = "must be left out if the design is refined, as designs between the given thicknesses are not sampled"
-        of_threats = any(threat.probability_of_perforation is not None for threat in catalogue.threats)
-        yield Problem(file, "threat.probability_of_perforation" if of_threats else "design.confidence", message)
-    if not any(layer.free_range(refine=True) for offer in catalogue.offers for layer in offer[:2]):
-        yield Problem(file, "--refine", "needs a thickness given as a range")
-
-
-def _table(search: FreeThicknesses, *, refine: bool = False, criteria: Sequence[str] = ()) -> Designs:
+def _table(search: FreeThicknesses, criteria: Sequence[str] = ()) -> Designs:
     """Return the table of designs of a catalogue, see `candidates_of`; of a free thickness, it has the least value."""
     catalogue = search.catalogue
     reliability = Reliability(catalogue, search.runs.on_progress) if catalogue.sampled else None
-    return Designs(catalogue, candidates_of(search, criteria, refine=refine), search.runs, reliability)
+    return Designs(catalogue, candidates_of(search, criteria), search.runs, reliability)
 
 
 def _best_place(search: FreeThicknesses) -> tuple[Designs, int | None, Reason]:
@@ -683,15 +653,8 @@ def _least_of_the_range(
 def _pareto(designs: Designs, search: FreeThicknesses, criteria: Sequence[str], least: int) -> tuple[Design, ...]:
     """Return the Pareto front by the given criteria; free thicknesses are refined for each of them."""
     if designs.catalogue.has_free_layer:
-        designs = _table(search, criteria=criteria)
+        designs = _table(search, criteria)
     return as_results(designs, pareto(designs, criteria, least), with_margins=MARGIN_COLUMN in criteria)
-
-
-def _refined(designs: Designs, search: FreeThicknesses, first: int) -> BestDesign:
-    """Return the best design with both layers free, or the design at place `first` if none is better."""
-    refined = _table(search, refine=True)
-    place = refined.first(refined.offered[refined.values[refined.offered] < designs.values[first]], search.least)
-    return _best(designs, first) if place is None else _best(refined, place)
 
 
 def _governing(designs: Designs, where: Ints) -> list[int]:

@@ -40,7 +40,7 @@ def plot(
     ----------
     result : Result
         An ImpactResult with its history, a SweepResult of one or two keys, or any LimitResult, Comparison,
-        DesignResult, CheckResult, SensitivityResult, UncertaintyResult, CalibrationResult, FiringResult, PlannedTests,
+        DesignResult, CheckResult, SensitivityResult, UncertaintyResult, CalibrationResult, FiringResult,
         ShotPlan or SuiteResult.
     scenario : Scenario, optional
         Scenario of the result, perhaps with another title.  Only a result that is made by hand needs it.

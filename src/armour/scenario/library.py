@@ -5,7 +5,7 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import chain, islice
@@ -364,11 +364,6 @@ class LibraryEntry:
     def is_static(self) -> bool:
         """Whether a static yield strength is taken for the dynamic one of a metal."""
         return DYNAMIC in self.derived
-
-    @property
-    def has_one_source(self) -> bool:
-        """Whether a single source gives the flow stress of a ceramic without own tests; leaves with version 3."""
-        return self.evidence is None and len(self.flow_stress_sources_GPa) == 1
 
     @property
     def sources(self) -> int:
@@ -775,3 +770,39 @@ def named_threats() -> dict[str, NamedThreat]:
     """Return the shipped threats by name."""
     tables = read_toml(shipped("configs") / "threats.toml")["threat"]
     return {name: NamedThreat(**table) for name, table in tables.items()}
+
+
+def search_library(words: Sequence[str]) -> list[tuple[Any, str, Any]]:
+    """Return the kind, the name and the content of shipped entries and threats with these words, in any case.
+
+    They are those that are called by the words together or, if there are none, those with each of them: a kind, such as
+    "metals", or a part of a name or a description.  If there are none either, an InputError suggests similar ones.
+    """
+    library, threats = shipped_library(), named_threats()
+    kinds: dict[Any, Mapping[str, Any]] = {**library.entries, "threat": threats}
+    kind_of = {f"{kind}{plural}": kind for kind in kinds for plural in ("", "s")}
+    name_asked = nfc(" ".join(words))
+    asked = name_asked.casefold().split()
+    called, alike = list[tuple[Any, str, Any]](), list[tuple[Any, str, Any]]()
+    for kind in ("projectile", "ceramic", "threat", "metal"):
+        for name, item in kinds[kind].items():
+            names = (name,) if kind == "threat" else (name, *item.aliases)
+            others = (item.round, item.projectile) if kind == "threat" else (item.description,)
+            if name_asked.casefold() in map(str.casefold, names):
+                called.append((kind, name, item))
+            text = "\n".join((*names, *others)).casefold()
+            if all(kind_of[word] == kind if word in kind_of else _has_word(text, word) for word in asked):
+                alike.append((kind, name, item))
+    if found := called or alike:
+        return found
+    entries = [entry for kind in KINDS for entry in library.entries[kind].values()]
+    known = [*(name for kind in KINDS for name in library.known(kind)), *threats]
+    message = f'no entry of the library has the words "{name_asked}"{hint(name_asked, entries, known)}'
+    raise mistake("library", name_asked, message)
+
+
+def _has_word(text: str, word: str) -> bool:
+    """Return whether a text contains a word; a number must be a whole one: "4" is no part of "4569"."""
+    if re.fullmatch(r"\d*\.?\d+", word):
+        return re.search(rf"(?<!\d)(?<!\d\.){re.escape(word)}(?!\.?\d)", text) is not None
+    return word in text

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import chain
 from statistics import median
 from typing import Any, Literal
 
@@ -13,17 +12,15 @@ from scipy.special import ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, ballistic_limits
-from armour.errors import InputError, joined, listed, mistake
+from armour.errors import joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
-from armour.leaving import warn_leaving
 from armour.scenario.checked import Names, checked
 from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW, MOST_TESTS
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Uncertainty
 from armour.statistics.likelihood import (
     MIN_P_VALUE,
     Coefficient,
@@ -124,26 +121,6 @@ class Residual:
         return self.missed_by <= AT_BOUND
 
 
-@dataclass(frozen=True)
-class LawFit:
-    """Quality of the fit with a law of the ceramic's flow stress.
-
-    Attributes
-    ----------
-    law : str
-    coefficients : int
-        Number of fitted inputs.
-    mean_error_percent, left_out_error_percent, aicc : float or None
-        See `CalibrationResult`.
-    """
-
-    law: str
-    coefficients: int
-    mean_error_percent: float | None
-    left_out_error_percent: float | None
-    aicc: float | None
-
-
 @dataclass(frozen=True, repr=False)
 class CalibrationResult(TableResult):
     """Inputs fitted to tests.
@@ -169,7 +146,7 @@ class CalibrationResult(TableResult):
         this is the number of values minus the number of coefficients.
     chi_squared : float
         Sum of the squared deviations of measured values, each divided by its uncertainty or, if none are given, by the
-        value.  If uncertainties are given, deviations from a prior are added.
+        value.
     starts, starts_agreeing : int
         Number of starting points of the fit, and of those that converged to the same solution.
     confidence : float
@@ -178,13 +155,8 @@ class CalibrationResult(TableResult):
         Probability of a greater chi-squared if the model and the uncertainties given are right; None without
         uncertainties or without degrees of freedom.
     widened_by : float
-        Factor by which the intervals are widened.  If the p value is less than 0.05 and there is no prior, it is the
-        Birge ratio, the square root of chi-squared over the degrees of freedom; otherwise 1.
-    aicc : float or None
-        Akaike's information criterion, corrected for the number of measurements; lower is better.  None for too few
-        measurements, and with a prior.
-    laws : tuple of LawFit
-        The laws that were compared.
+        Factor by which the intervals are widened.  If the p value is less than 0.05, it is the Birge ratio, the square
+        root of chi-squared over the degrees of freedom; otherwise 1.
     evidence : mapping or None
         Distribution of the ballistic limits of such armours given the tests: the key ``evidence`` of the fitted entry
         in a library file.  None if the tests do not determine it, for example if none measured or shot at a ballistic
@@ -214,8 +186,6 @@ class CalibrationResult(TableResult):
     confidence: float
     p_value: float | None = None
     widened_by: float = 1.0
-    aicc: float | None = None
-    laws: tuple[LawFit, ...] = ()
     evidence: Mapping[str, Any] | None = None
     warnings: tuple[str, ...] = ()
     own_tests: tuple[OwnTest, ...] = ()
@@ -237,9 +207,8 @@ def calibrate(
     tests: Tests,
     scenario: Scenario,
     fit: Names = FLOW_STRESS,
-    law: Literal[Law, "all"] | None = None,
+    law: Law | None = None,
     *,
-    prior: bool = False,
     on_progress: OnProgress = ignore_progress,
 ) -> CalibrationResult:
     """Fit inputs of a scenario to tests by maximum likelihood, with profile-likelihood intervals.
@@ -261,12 +230,7 @@ def calibrate(
     law : str, optional
         Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its
         thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or linear
-        (in both); or all, to compare them and keep the one with the smallest leave-one-out error.  By default the
-        scenario's law.
-    prior : bool, default False
-        Whether to use the scenario's distributions of the fitted inputs as priors, normal or lognormal, with their
-        correlations. Estimates and intervals are then those of the posterior: the product of the likelihood and
-        the density of the inputs or, if lognormal, of their logarithms.
+        (in both).  By default the scenario's law.
     on_progress : callable, optional
         Called with the number of tests computed since the last call, and None, as their total is not known.
 
@@ -278,19 +242,14 @@ def calibrate(
     ------
     InputError
         If the tests were read with another scenario, a name is not an input, the tests differ in the material that is
-        fitted, there are fewer of them than coefficients, there are more than 300 limits and outcomes, a prior is
-        neither normal nor lognormal, or a run does not end.
+        fitted, there are fewer of them than coefficients, there are more than 300 limits and outcomes, or a run does
+        not end.
     """
     fit = tuple(fit)
-    if law == "all":
-        warn_leaving('calibrate(law="all")', 3)
     common = common_of(scenario)
     if different := [name for name, value in common_of(tests.scenario).items() if common[name] != value]:
         message = f"must be the one that the tests were read with, found other {' and '.join(different)}"
         raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
-    if prior:
-        warn_leaving("calibrate(prior=True)", 3)
-        check_same_prior(tests, scenario, "calibrate")
     for role in ROLES:
         entry = tests.groups[0].scenario.entry_of(role) if any(name.startswith(f"{role}.") for name in fit) else None
         if entry is not None and entry.evidence is not None:
@@ -298,26 +257,12 @@ def calibrate(
             raise mistake(tests.file, "", message)
     if (count := sum(m.quantity == LIMIT for m in tests.measurements)) > MOST_TESTS:
         raise mistake(tests.file, "", f"must have at most {MOST_TESTS} limits and outcomes, found {count}")
-    check_fitted(fit, law, "calibrate")
-    fits: list[tuple[InputFit, CalibrationResult]] = []
-    for fitted_law in LAWS if law == "all" else (law,):
-        try:
-            fits.append(fit_by_law(tests, fit, fitted_law, on_progress, prior=prior, assumes=law != "all"))
-        except InputError:
-            # Some laws have more coefficients than there are tests for.
-            if not fits:
-                raise
-    laws = tuple(
-        LawFit(result.law, len(inputs.best.x), result.mean_error_percent, result.left_out_error_percent, result.aicc)
-        for inputs, result in fits
-        if law == "all"
-    )
-    # The law with the least leave-one-out error comes first, and laws without such an error last.
-    fits.sort(key=lambda pair: np.inf if (error := pair[1].left_out_error_percent) is None else error)
-    results = ((inputs, replace(result, coefficients=intervals(inputs), laws=laws)) for inputs, result in fits)
-    first = next(results)
-    identified = (pair for pair in chain([first], results) if all(c.estimate is not None for c in pair[1].coefficients))
-    best, result = next(identified, first)
+    if not fit:
+        raise mistake("calibrate", "fit", "must name at least one input")
+    if law is not None and FLOW_STRESS not in fit:
+        raise mistake("calibrate", "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
+    best, result = fit_by_law(tests, fit, law, on_progress)
+    result = replace(result, coefficients=intervals(best))
     tests_by_law = replace(tests, groups=best.likelihood.tests.groups)
     question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
     return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
@@ -368,55 +313,21 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
     """Return the tests with a law of the flow stress, their own if it is None, and the names of all inputs to fit."""
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), fitted_names(inputs, law)
-
-
-def fitted_names(inputs: Sequence[str], law: Law | None) -> list[str]:
-    """Return the names of the inputs to fit, followed by the coefficients of a law of the flow stress."""
-    return [*dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
-
-
-def check_fitted(fit: Sequence[str], law: str | None, function: str) -> None:
-    """Check that there is an input to fit, and a law only if the flow stress is fitted.
-
-    Messages name `function`, the public function that was called.
-    """
-    if not fit:
-        raise mistake(function, "fit", "must name at least one input")
-    if law is not None and FLOW_STRESS not in fit:
-        raise mistake(function, "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
-
-
-def check_same_prior(tests: Tests, scenario: Scenario, function: str) -> None:
-    """Check that `scenario` has the distributions, used as a prior, of the scenario that the tests were read with.
-
-    Messages name `function`, the public function that was called.
-    """
-    read_with = tests.scenario
-    names = (scenario.uncertainty or Uncertainty()).inputs()
-    values, read_values = ([inputs.get(name) for name in names] for inputs in (scenario.inputs(), read_with.inputs()))
-    if read_with.uncertainty != scenario.uncertainty or read_values != values:
-        message = "must have the distributions of the scenario that the tests were read with, found others"
-        raise mistake(function, "scenario", f"{message}; read_tests reads them with this one")
+    names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])
+    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), [*names]
 
 
 def fit_by_law(
-    tests: Tests,
-    inputs: Sequence[str],
-    law: Law | None,
-    on_progress: OnProgress = ignore_progress,
-    *,
-    prior: bool = False,
-    assumes: bool = True,
+    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress = ignore_progress
 ) -> tuple[InputFit, CalibrationResult]:
     """Fit inputs with one law, and return the fit and its result.
 
-    The result lacks its coefficients, as their intervals are slow to compute.  With `assumes`, a scatter is assumed if
-    there are too few tests to estimate it.
+    The result lacks its coefficients, as their intervals are slow to compute.  A scatter is assumed if there are too
+    few tests to estimate it.
     """
     tests, inputs = under_law(tests, inputs, law)
-    likelihood = likelihood_of(tests, inputs, on_progress, prior=prior)
-    too_few = assumes and not tests.weighted and likelihood.usable < likelihood.needed
+    likelihood = likelihood_of(tests, inputs, on_progress)
+    too_few = not tests.weighted and likelihood.usable < likelihood.needed
     if too_few:
         tests = with_scatter(tests, LEAST_REST)
     fit = fit_inputs(likelihood._replace(tests=tests))
@@ -453,7 +364,6 @@ def fit_by_law(
         confidence=CONFIDENCE,
         p_value=fit.p_value,
         widened_by=fit.widened_by,
-        aicc=fit.aicc,
         warnings=(
             *_bad_fit(fit),
             *([ASSUMED] if too_few else []),
@@ -570,22 +480,17 @@ def _bad_fit(fit: InputFit) -> tuple[str, ...]:
     """Return a warning if the deviations are larger than the uncertainties explain."""
     if fit.p_value is None or fit.p_value >= MIN_P_VALUE:
         return ()
-    effect, causes = "not widened", "model, the uncertainties or the prior"
-    if fit.widened_by > 1.0:
-        effect, causes = f"widened by {fit.widened_by:.2f}", "model or the uncertainties"
     return (
         "the deviations are larger than the uncertainties given explain: chi-squared "
         f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
-        f"the intervals are {effect}, and the {causes} are wrong",
+        f"the intervals are widened by {fit.widened_by:.2f}, and the model or the uncertainties are wrong",
     )
 
 
 def _left_out(fit: InputFit) -> Floats:
     """Return the values of the m measurements by inputs fitted to the other tests, (m,); NaN if these are too few."""
     tests, needed = fit.likelihood.tests, len(fit.best.x)
-    if tests.weighted:
-        needed -= len(fit.likelihood.prior.where)
-    elif any(m.side for m in tests.measurements):
+    if not tests.weighted and any(m.side for m in tests.measurements):
         needed += 1
     test_indices = np.array([m.test for m in tests.measurements])
     # Of more than 100 tests, several are left out at a time.

@@ -1,4 +1,4 @@
-"""Fit a scenario's inputs to tests by maximum likelihood, with a prior or not, and profile-likelihood intervals.
+"""Fit a scenario's inputs to tests by maximum likelihood, with profile-likelihood intervals.
 
 A point `x`, (k,), has the k fitted inputs in their units.  The unit of an input is the scenario's own value, so that
 1.1 is 10 % more; that of a coefficient of a law of the flow stress is 1.
@@ -17,80 +17,13 @@ from scipy.special import chdtrc, log_ndtr, ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import QuantityValues
 from armour.analysis.results import OnProgress
-from armour.analysis.samples import centre_and_width
-from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
+from armour.analysis.variants import Bools, Floats, Variants, ballistic_limits
 from armour.core.search import SCAN_POINTS
 from armour.errors import Problem, mistake, refuse
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.library import FLOW_STRESS_LAW
-from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics.curves import profile_end
-from armour.statistics.measured import LIMIT, MASS, RESIDUAL, MaterialGroup, Tests
-
-
-class Prior(NamedTuple):
-    """Normal or lognormal distributions of q of the k fitted inputs."""
-
-    where: Ints  # indices of the inputs, (q,)
-    logs: Bools  # whether the logarithm is normal, (q,)
-    centres: Floats  # means of the inputs in their units, or of their logarithms, (q,)
-    widths: Floats  # standard deviations of the inputs in their units, or of their logarithms, (q,)
-    root: Floats  # (q, q): root.T @ root is the inverse of the correlation matrix
-
-    def scores(self, x: Floats) -> Floats:
-        """Return the inputs at a point, (k,), as q independent standard normal scores, (q,)."""
-        inputs = x[self.where]
-        return self.root @ ((np.where(self.logs, np.log(np.abs(inputs)), inputs) - self.centres) / self.widths)
-
-    def rows(self, x: Floats) -> Floats:
-        """Return the derivatives of the scores by the inputs at a point, (q, k)."""
-        derivatives = np.zeros((len(self.where), len(x)))
-        derivatives[:, self.where] = self.root / self.deviations(x)
-        return derivatives
-
-    def deviations(self, x: Floats) -> Floats:
-        """Return the standard deviations of the q inputs near a point, in the units of the inputs, (q,)."""
-        return self.widths * np.where(self.logs, x[self.where], 1.0)
-
-    def centred(self, x: Floats) -> Floats:
-        """Return a point with the q inputs moved to the centres of their distributions, (k,)."""
-        centre = x.copy()
-        centre[self.where] = np.where(self.logs, np.exp(self.centres), self.centres)
-        return centre
-
-
-NO_PRIOR = Prior(np.empty(0, dtype=int), np.empty(0, dtype=bool), np.empty(0), np.empty(0), np.empty((0, 0)))
-
-
-def prior_of(scenario: Scenario, names: Sequence[str], units: Floats) -> Prior:
-    """Return a scenario's distributions of the inputs `names` as a prior; at least one input must have one.
-
-    `units`, (k,), are the units of the inputs.
-    """
-    section, values = scenario.uncertainty or Uncertainty(), scenario.inputs()
-    distributions = {name: distribution for name, distribution in section.inputs().items() if name in names}
-    if not distributions:
-        message = f"is missing and must be given for a prior: the distribution of {' or '.join(names)}"
-        raise mistake(scenario.file, "uncertainty", message)
-    problems = []
-    for name, distribution in distributions.items():
-        message = distribution.mean_problem(values[name])
-        if distribution.distribution == "uniform" or (distribution.min, distribution.max) != (None, None):
-            message = "must be normal or lognormal, without min and max, to be a prior"
-        if message:
-            problems.append(Problem(scenario.file, f"uncertainty.{name}", message))
-    refuse(problems)
-    where = np.array([names.index(name) for name in distributions])
-    logs = np.array([distribution.distribution == "lognormal" for distribution in distributions.values()])
-    moments = [centre_and_width(distribution, values[name]) for name, distribution in distributions.items()]
-    centres, widths = np.array(moments).T
-    scale = units[where]
-    pairs = [pair for pair in section.correlation if {*pair.between} <= {*distributions}]
-    root = np.linalg.inv(np.linalg.cholesky(correlation_matrix([*distributions], pairs)))
-    centres, widths = np.where(logs, (centres - np.log(scale), widths), (centres / scale, widths / scale))
-    return Prior(where, logs, centres, widths, root)
-
+from armour.statistics.measured import LIMIT, MASS, RESIDUAL, Tests
 
 # Bounds of a fitted input, in its unit, and greatest absolute value of a coefficient of a law.
 MIN_RATIO, MAX_VALUE_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
@@ -125,8 +58,6 @@ class Coefficient:
         Reason why the input is not identified; empty if it is.
     standard_error : float or None
         Standard error, from the model linearised at the estimate; None without an estimate.
-    prior_share : float or None
-        Share of the prior in the precision of the estimate, 0 to 1; None if the input has no prior.
     """
 
     name: str
@@ -134,7 +65,6 @@ class Coefficient:
     interval: tuple[float | None, float | None] | None
     reason: str = ""
     standard_error: float | None = None
-    prior_share: float | None = None
 
 
 class Likelihood(NamedTuple):
@@ -143,7 +73,7 @@ class Likelihood(NamedTuple):
     A measured value is normally distributed about the model's value.  Its standard deviation is the given uncertainty
     or, without uncertainties, a fraction of the value, the scatter, which is common to all.  The likelihood of an
     outcome is the probability that a ballistic limit with this distribution is above the impact velocity (stopped) or
-    below it (perforated).  A prior counts as q further measured values: its normal scores, measured as 0.
+    below it (perforated).
     """
 
     tests: Tests
@@ -153,7 +83,6 @@ class Likelihood(NamedTuple):
     upper: Floats
     kept: Bools  # whether each measurement counts, (m,)
     on_progress: OnProgress
-    prior: Prior
 
     @property
     def sides(self) -> Floats:
@@ -167,9 +96,8 @@ class Likelihood(NamedTuple):
 
     @property
     def needed(self) -> int:
-        """Number of measurements that a fit needs: inputs plus 1 or, with uncertainties, inputs without a prior."""
-        count = len(self.names)
-        return max(count - len(self.prior.where), 1) if self.tests.weighted else count + 1
+        """Number of measurements that a fit needs: one for each input and, without uncertainties, one more."""
+        return len(self.names) + (not self.tests.weighted)
 
     def deviations(self, x: Floats) -> Floats:
         """Return the relative deviations of the model at a point from the measurements that count, one for each.
@@ -231,7 +159,7 @@ class Point(NamedTuple):
 
     x: Floats  # in their units, (k,)
     scatter: float  # 1 if uncertainties are given
-    loss: float  # -2 times the logarithm of likelihood times prior, up to a constant
+    loss: float  # -2 times the logarithm of the likelihood, up to a constant
 
 
 @dataclass(frozen=True)
@@ -241,7 +169,7 @@ class Precision:
     covariance: Floats  # of the inputs in their units, (k, k)
     spread: float  # the scatter, corrected for the number of fitted inputs; 1 if uncertainties are given
     degrees_of_freedom: float
-    chi_squared: float  # of the measured values; if uncertainties are given, also of the scores of the prior
+    chi_squared: float  # of the measured values
     p_value: float | None
     widened_by: float  # factor by which the intervals are widened
     threshold: float  # deviance at the ends of the intervals
@@ -252,15 +180,12 @@ class InputFit(Precision):
     """A fit of inputs to tests.
 
     ``rows`` and ``residuals`` are the least-squares problem linearised at the fit, whose solution is a Newton step.
-    Those of the m measurements come first, then those of the q scores of the prior.
     """
 
     likelihood: Likelihood
     best: Point
-    rows: Floats  # (m + q, k)
-    residuals: Floats  # (m + q,)
-    prior_shares: tuple[float | None, ...]  # share of the prior in the precision of each input, (k,)
-    aicc: float | None
+    rows: Floats  # (m, k)
+    residuals: Floats  # (m,)
     starts: int
     starts_agreeing: int
 
@@ -279,10 +204,8 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
     solutions = [search(likelihood, start) for start in starts]
     best = min(solutions, key=lambda solution: solution.loss)
     sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
-    weights, rows = rows_at(likelihood, best.x, best.scatter)
-    residuals = np.where(sides == 0, z, -sides * hazard(sides * z) / np.maximum(weights, 1e-150))
-    rows = np.vstack([rows, likelihood.prior.rows(best.x)])
-    residuals = np.append(residuals, likelihood.prior.scores(best.x))
+    weights, rows = _rows_at(likelihood, best.x, best.scatter)
+    residuals = np.where(sides == 0, z, -sides * _hazard(sides * z) / np.maximum(weights, 1e-150))
     if tests.weighted:
         precision = _by_uncertainties(rows, residuals, sides)
     else:
@@ -293,34 +216,21 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
         best=best,
         rows=rows,
         residuals=residuals,
-        prior_shares=_prior_shares(likelihood.prior, best, precision),
-        aicc=None if len(likelihood.prior.where) else _aicc(likelihood, best),
         starts=len(solutions),
         starts_agreeing=sum(np.allclose(solution.x, best.x, rtol=CLOSE, atol=CLOSE) for solution in solutions),
     )
 
 
-def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress, *, prior: bool = False) -> Likelihood:
-    """Check that inputs can be fitted to tests, and return their likelihood, with or without the scenario's prior."""
-    check_fittable(tests.file, tests.scenario, tests.groups, inputs)
+def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress) -> Likelihood:
+    """Check that inputs can be fitted to tests, and return their likelihood."""
+    _check_fittable(tests, inputs)
     first = tests.groups[0].scenario
-    is_coefficient = np.array([_is_of_law(name) for name in inputs])
-    units = units_of(first, inputs)
+    values, is_coefficient = first.inputs(), np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
+    units = np.where(is_coefficient, 1.0, [values[name] for name in inputs])
     lower = np.where(is_coefficient, -MAX_COEFFICIENT, MIN_RATIO)
     upper = np.where(is_coefficient, MAX_COEFFICIENT, MAX_VALUE_RATIO)
     kept = np.ones(len(tests.measurements), dtype=bool)
-    distributions = prior_of(first, inputs, units) if prior else NO_PRIOR
-    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress, distributions)
-
-
-def units_of(scenario: Scenario, inputs: Sequence[str]) -> Floats:
-    """Return the units of inputs: the scenario's values, or 1 for coefficients of a law of the flow stress, (k,)."""
-    values = scenario.inputs()
-    return np.array([1.0 if _is_of_law(name) else values[name] for name in inputs])
-
-
-def _is_of_law(name: str) -> bool:
-    return name.partition(".")[2] in FLOW_STRESS_LAW
+    return Likelihood(tests, tuple(inputs), units, lower, upper, kept, on_progress)
 
 
 def search(
@@ -336,25 +246,21 @@ def search(
     the inputs in their units.
     """
     free = np.flatnonzero(np.arange(len(start)) != held)
-    sides, prior, x = likelihood.sides, likelihood.prior, start.copy()
-    # Without outcomes and prior the scatter has no effect on the most likely inputs.
-    scatter_matters = bool(sides.any() or len(prior.where))
-
-    def with_free(inputs: Floats | tuple[float, ...]) -> Floats:
-        point = x.copy()
-        point[free] = inputs
-        return point
+    sides, x = likelihood.sides, start.copy()
+    # Without outcomes the scatter has no effect on the most likely inputs.
+    scatter_matters = bool(sides.any())
 
     @cache
     def deviations_at(inputs: tuple[float, ...]) -> Floats:
-        return likelihood.deviations(with_free(inputs))
+        point = x.copy()
+        point[free] = inputs
+        return likelihood.deviations(point)
 
     def move(scatter: float) -> Floats:
         """Move to the most likely inputs given the scatter, and return their deviations."""
 
         def losses(inputs: Floats) -> Floats:
-            z = deviations_at(tuple(inputs.tolist())) / scatter
-            return np.concatenate([_losses(z, sides), prior.scores(with_free(inputs))])
+            return _losses(deviations_at(tuple(inputs.tolist())) / scatter, sides)
 
         def slopes(inputs: Floats) -> Floats:
             return approx_fprime(inputs, losses, DIFFERENCE)
@@ -366,8 +272,7 @@ def search(
         return deviations_at(tuple(x[free].tolist()))
 
     def loss(deviations: Floats, scatter: float) -> float:
-        by_tests = float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
-        return by_tests + float((prior.scores(x) ** 2).sum())
+        return float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
 
     def profile(log_scatter: float) -> float:
         return loss(move(exp(log_scatter)), exp(log_scatter))
@@ -397,18 +302,17 @@ NORMAL_THRESHOLD = float(ndtri(UPPER)) ** 2
 def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precision:
     """Return the precision if uncertainties are given, lower if the deviations are larger than these explain.
 
-    `rows`, (m + q, k), and `residuals`, (m + q,), are those of `InputFit`; `sides`, (m,), those of `Likelihood`.
+    `rows`, (m, k), and `residuals`, (m,), are those of `InputFit`; `sides`, (m,), those of `Likelihood`.
     """
-    count, exact, z, scores = rows.shape[1], sides == 0, residuals[: len(sides)], residuals[len(sides) :]
+    count, exact = rows.shape[1], sides == 0
     covariance, leverages = _inverted(rows, count)
-    # The part of the inputs that outcomes determine takes no degree of freedom from measured values and prior.
-    freedom = float(exact.sum() + len(scores) - count + leverages[: len(z)][~exact].sum())
+    # The part of the inputs that outcomes determine takes no degree of freedom from measured values.
+    freedom = float(exact.sum() - count + leverages[~exact].sum())
     freedom = round(freedom, 9) + 0.0  # outcomes alone leave none, but for rounding
-    chi_squared = float((z[exact] ** 2).sum()) + float((scores**2).sum())
+    chi_squared = float((residuals[exact] ** 2).sum())
     p_value = float(chdtrc(freedom, chi_squared)) if freedom > 0.5 else None
     widened_by, threshold = 1.0, NORMAL_THRESHOLD
-    # A wider interval does not repair a prior that the tests contradict.
-    if p_value is not None and p_value < MIN_P_VALUE and not len(scores):
+    if p_value is not None and p_value < MIN_P_VALUE:
         widened_by = sqrt(chi_squared / freedom)
         threshold = (widened_by * float(stdtrit(freedom, UPPER))) ** 2
     return Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
@@ -417,25 +321,20 @@ def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precisi
 def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
     """Return the precision if the scatter is estimated with the inputs.
 
-    `rows`, (m + q, k), are those of `InputFit`, and `weights`, (m,), those of `rows_at`; `z`, (m,), are deviations over
-    the scatter.  Without outcomes and prior, the intervals are exact for a linear model.  Outcomes count as the number
-    of measured values that would determine the scatter as well.
+    `rows`, (m, k), are those of `InputFit`, `weights`, (m,), those of `_rows_at`; `z`, (m,), are deviations over the
+    scatter.  Without outcomes, the intervals are exact for a linear model.  Outcomes count as the number of measured
+    values that would determine the scatter as well.
     """
     count, measurements, exact = rows.shape[1], len(z), sides == 0
-    # With the logarithm of the scatter as a further unknown: it affects the inputs through outcomes and prior.
-    joint_rows = np.zeros((len(rows) + 1, count + 1))
+    # With the logarithm of the scatter as a further unknown: it affects the inputs through outcomes.
+    joint_rows = np.zeros((measurements + 1, count + 1))
     joint_rows[:-1, :count] = rows
-    joint_rows[:measurements, count] = np.where(exact, 0.0, -weights * z)
+    joint_rows[:-1, count] = np.where(exact, 0.0, -weights * z)
     joint_rows[-1, count] = sqrt(2.0 * exact.sum())
-    _, leverages = _inverted(joint_rows, count)
-    information = np.where(exact, 2.0, z**2 * hazard(sides * z) * hazard(-sides * z))  # on the scatter's logarithm
+    information = np.where(exact, 2.0, z**2 * _hazard(sides * z) * _hazard(-sides * z))  # on the scatter's logarithm
     equivalent = 0.5 * float(information.sum())  # number of measured values that determine the scatter as well
-    # The part that the prior determines takes no degree of freedom from the tests and adds no error to the scatter.
-    by_tests = count - float(leverages[measurements:].sum())
-    freedom = equivalent - by_tests
-    joint_rows[:measurements] *= sqrt(freedom / equivalent)
-    joint_rows[-1] *= sqrt(freedom / equivalent)
-    exact_threshold = equivalent * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom))
+    freedom = equivalent - count
+    joint_rows *= sqrt(freedom / equivalent)
     return Precision(
         covariance=_inverted(joint_rows, count)[0],
         spread=scatter * sqrt(equivalent / freedom),
@@ -443,7 +342,7 @@ def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter
         chi_squared=float((z[exact] ** 2).sum()) * scatter**2,
         p_value=None,
         widened_by=1.0,
-        threshold=NORMAL_THRESHOLD + by_tests / count * (exact_threshold - NORMAL_THRESHOLD),
+        threshold=equivalent * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom)),
     )
 
 
@@ -457,15 +356,7 @@ def _inverted(rows: Floats, count: int) -> tuple[Floats, Floats]:
     return inverse @ inverse.T, (rows[:, :count] * inverse.T).sum(axis=1)
 
 
-def _prior_shares(prior: Prior, best: Point, precision: Precision) -> tuple[float | None, ...]:
-    """Return the share of the prior in the precision of each of the k inputs; None for an input without a prior."""
-    shares: list[float | None] = [None] * len(best.x)
-    for i, deviation in zip(prior.where, prior.deviations(best.x), strict=True):
-        shares[i] = min(float(precision.covariance[i, i]) / (precision.widened_by * deviation) ** 2, 1.0)
-    return tuple(shares)
-
-
-def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
+def _rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
     """Return the weights, (m,), and the rows, (m, k), of the m measurements that count, at a point.
 
     A row is a weight times the gradient of the deviation, in standard deviations.  The weight of a measured value is 1.
@@ -474,25 +365,14 @@ def rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, 
     sides = likelihood.sides
     jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), len(x)) / scatter
     z = sides * likelihood.deviations(x) / scatter
-    hazards = hazard(z)
+    hazards = _hazard(z)
     weights = np.sqrt(np.where(sides == 0, 1.0, hazards * (hazards + z)))
     return weights, weights[:, None] * jacobian
 
 
-def hazard(z: Floats) -> Floats:
+def _hazard(z: Floats) -> Floats:
     """Return the density of the normal distribution divided by its distribution function at `z`."""
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
-
-
-def _aicc(likelihood: Likelihood, best: Point) -> float | None:
-    """Return Akaike's information criterion, corrected for the number of measurements; None for too few."""
-    unknowns = len(best.x) + (not likelihood.tests.weighted)
-    freedom = len(likelihood.sides) - unknowns - 1
-    if freedom < 1:
-        return None
-    scales = [m.uncertainty or m.value for m in likelihood.tests.measurements if m.side == 0]
-    constants = sum(log(2.0 * pi * scale**2) for scale in scales)
-    return best.loss + constants + 2.0 * unknowns + 2.0 * unknowns * (unknowns + 1.0) / freedom
 
 
 def intervals(fit: InputFit) -> tuple[Coefficient, ...]:
@@ -511,8 +391,7 @@ def _coefficient(fit: InputFit, index: int) -> Coefficient:
     if flat_below or flat_above:
         bound = bounds[0 if flat_below else 1] * unit
         return Coefficient(name, None, ends, f"the fit is as good at {bound:.3g}, the end of the range searched")
-    estimate, share = float(fit.best.x[index]) * unit, fit.prior_shares[index]
-    return Coefficient(name, estimate, ends, standard_error=error * unit, prior_share=share)
+    return Coefficient(name, float(fit.best.x[index]) * unit, ends, standard_error=error * unit)
 
 
 def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
@@ -545,33 +424,28 @@ def without(fit: InputFit, kept: Bools) -> Floats:
     is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
-    kept_rows = np.append(kept, np.ones(len(fit.residuals) - len(kept), dtype=bool))
-    change = np.linalg.lstsq(fit.rows[kept_rows], -fit.residuals[kept_rows], rcond=1e-6)[0]
+    change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
     x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
     if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
         return x
     return search(likelihood, x, scatter=fit.best.scatter, tolerance=COMPARED_TOLERANCE).x
 
 
-def check_fittable(
-    file: str, scenario: Scenario, groups: Sequence[MaterialGroup], inputs: Sequence[str], function: str = "calibrate"
-) -> None:
-    """Check that `inputs` can be fitted to groups of tests with a scenario.
-
-    Messages name `file`, the file of the tests, and `function`, the public function that was called.
-    """
-    scenario.check_names(inputs, function, "fit")
+def _check_fittable(tests: Tests, inputs: Sequence[str]) -> None:
+    """Check that `inputs` can be fitted to tests."""
+    tests.scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:
-        if any(name in group.columns for group in groups):
-            problems.append(Problem(file, name, "must not be a column if it is fitted"))
+        if any(name in group.columns for group in tests.groups):
+            problems.append(Problem(tests.file, name, "must not be a column if it is fitted"))
         if INPUTS[name].kind is None:
-            problems.append(Problem(function, "fit", f'must be a property of a material or projectile, found "{name}"'))
+            message = f'must be a property of a material or projectile, found "{name}"'
+            problems.append(Problem("calibrate", "fit", message))
     for role, key in NAMES.items():
-        names = {group.scenario.name_of(role) for group in groups}
+        names = {group.scenario.name_of(role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
             message = (
                 f"must be the same in all tests if the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
             )
-            problems.append(Problem(file, key, message))
+            problems.append(Problem(tests.file, key, message))
     refuse(problems)

@@ -60,8 +60,9 @@ class Comparison(TableResult):
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
         One per body with a known mass and diameter; empty if the metal lacks values that the formula needs.
-    fits : tuple of ResidualVelocityFit
-        Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities.
+    fits : tuple
+        Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities: ``name``, ``ratio``,
+        ``exponent`` and ``rms_m_s``, the root mean square of the residuals, m/s.
     fitted_m_s : tuple of float
         Lowest and highest impact velocity of the fits, m/s.
     curve : tuple of ImpactResult

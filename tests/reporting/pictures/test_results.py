@@ -20,13 +20,12 @@ from armour.analysis.impact import simulate
 from armour.design.check import check
 from armour.design.optimise import DesignResult, optimise
 from armour.planning.firing import plan_shots
-from armour.planning.plan_tests import PlannedTests, plan_tests
 from armour.planning.procedures import OperatingPoint
 from armour.reporting.by_result import draw, drawing_of
-from armour.reporting.pictures import analysis, design, planning, statistics, sweeps, validation
+from armour.reporting.pictures import analysis, design, statistics, sweeps, validation
 from armour.reporting.pictures.design import draw_front_of_design, draw_map_of_design
 from armour.reporting.pictures.drawing import BLUE, INK, VERMILION, Picture, Points, Sheet, drawn
-from armour.scenario.inputs import BACKING, CERAMIC, VELOCITY
+from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
@@ -488,56 +487,6 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "Designs that others beat in both criteria drawn are better in margin by the model."
     assert note in picture_of(found, draw_front_of_design).note
-
-
-GRID = {CERAMIC: [5.0, 8.0, 11.0], BACKING: [4.0, 8.0]}
-
-
-@pytest.fixture(scope="module")
-def planned() -> PlannedTests:
-    return plan_tests(shipped_scenario("wilkins"), GRID, law="backing", number=5, scatter_percent=3.0, cost=10.0)
-
-
-def test_a_map_with_the_number_of_tests_of_each_armour(planned: PlannedTests):
-    picture = picture_of(planned)
-    [axes] = picture.axes
-    assert headings(picture) == [("ceramic thickness, mm", "back plate thickness, mm")]
-    counts = {label: len(x_of(line)) for label, line in marks(axes).items()}
-    assert counts == {planning.GAIN: 6, "planned": 2}
-    assert sorted(words_in(axes)) == sorted(["2 tests", "3 tests", *(f"{gain:.2f}" for gain in planned.sensitivities)])
-
-
-def test_gains_are_per_cost_where_tests_have_one(planned: PlannedTests):
-    assert "per unit cost" in picture_of(planned).note
-    free = tuple(replace(step, cost=None, total_cost=None) for step in planned.planned)
-    assert "per unit cost" not in picture_of(replace(planned, planned=free)).note
-
-
-def test_gains_over_one_input_are_a_curve(planned: PlannedTests):
-    one = replace(planned, candidates={CERAMIC: planned.candidates[CERAMIC], BACKING: (4.0,) * 6})
-    [curve] = curves(picture_of(one).axes[0]).values()
-    assert len(x_of(curve)) == 3
-
-
-def test_candidates_that_are_no_grid(planned: PlannedTests):
-    few = {key: values[:3] + values[5:] for key, values in planned.candidates.items()}
-    some = replace(planned, candidates=few, sensitivities=planned.sensitivities[:3] + planned.sensitivities[5:])
-    assert len(x_of(marks(picture_of(some).axes[0])[planning.GAIN])) == 4
-
-
-def test_tests_that_do_not_determine_the_inputs_have_no_gain(planned: PlannedTests):
-    unknown = replace(planned, sensitivities=())
-    assert "no gain" in picture_of(unknown).note
-    assert "no gain" in picture_of(replace(unknown, candidates={**planned.candidates, BACKING: (4.0,) * 6})).note
-
-
-def test_planned_shots_have_their_velocities():
-    grid = {CERAMIC: [5.0, 6.0], BACKING: [6.0, 8.0], VELOCITY: np.arange(600.0, 900.0, 25.0)}
-    wilkins = shipped_scenario("wilkins")
-    shots = plan_tests(wilkins, grid, law="backing", number=2, scatter_percent=3.0, measure="outcome")
-    picture = picture_of(shots)
-    slow, fast = sorted(step.inputs[VELOCITY] for step in shots.planned[1:])
-    assert picture.note.endswith(f"The planned shots are at {slow:g} m/s, {fast:g} m/s.")
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

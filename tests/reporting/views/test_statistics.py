@@ -2,10 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from armour.analysis.estimates import Estimate
 from armour.reporting.views import statistics as view
 from armour.reporting.views.statistics import (
-    INDEX_NOTE,
     coefficient_table,
     correlation_table,
     residual_table,
@@ -16,7 +14,6 @@ from armour.reporting.words import SAMPLED_ALONE, chance, risk
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
-from armour.statistics.uncertainty import Influence
 from armour.statistics.v50 import Shots, v50
 from tests.reporting.tables import headings
 from tests.statistics.results import uncertainty_result
@@ -160,15 +157,10 @@ def test_no_probability_is_shown_that_is_not_reached(confidence: float):
     assert [risk(p) for p in (0.004, 0.6139, 0.999)] == ["above 99 %", "39 %", "below 1 %"]
 
 
-def test_indices_of_correlated_inputs_have_notes():
-    estimate = Estimate(0.972, 0.89, 1.054)
-    correlated = Influence("ceramic.flow_stress_GPa", estimate, None, (678.0, 769.1))
-    found = view.tables_of_uncertainty(replace(uncertainty_result(), inputs=(correlated,)))
-    _, error, alone, index, note = (item for item in found if isinstance(item, str))
+def test_a_model_error_that_is_not_included_is_told():
+    *_, error, alone = (item for item in view.tables_of_uncertainty(uncertainty_result()) if isinstance(item, str))
     assert error == "model error: unknown for such an armour, or not included"
     assert alone == SAMPLED_ALONE
-    assert index == INDEX_NOTE
-    assert "may sum to more than 1; total indices are not given" in str(note)
 
 
 def test_parts_of_the_prior():

@@ -285,16 +285,13 @@ class _Map:
         return np.array([bool(outside) for outside in outside_tests(rows.armours, rows.velocities)])
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
-        """Yield the designs to mark, with their style: the best at 50 %, the refined one, and the best or nearest."""
+        """Yield the designs to mark, with their style: the best at 50 %, and the best or nearest."""
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             half = lightest(self.catalogue, self.grid.pair, 0.5)
             if half is not None:
                 name = self._named(half, "50 % or more")
                 yield half, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
-        if (refined := self.result.refined) is not None:
-            label = f"refined: {_design_text(refined, self.result.minimised)}"
-            yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
         if (best := self.result.shown) is not None:
             probability = view.least_probability(best)
             name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")

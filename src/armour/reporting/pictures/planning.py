@@ -1,20 +1,16 @@
-"""Draw plans of shots and of tests."""
+"""Draw plans of shots."""
 
-from collections import Counter
-from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 
-from armour.errors import counted, listed
+from armour.errors import counted
 from armour.planning.firing import ShotPlan
-from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import Column, in_words, interval, percent
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
+from armour.reporting.table import in_words, interval, percent
+from armour.scenario.inputs import VELOCITY
 
 
 @draw.register
@@ -84,76 +80,3 @@ def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:
     """Draw lines at the next velocity and the required one."""
     drawing.velocity_line(axes, plan.next_velocity_m_s, drawing.INK, ":", "next shot" * named)
     drawing.velocity_line(axes, plan.requirement_m_s, drawing.SOFT, "-.", "requirement" * named)
-
-
-GAIN = "relative gain of one more test"
-GAINS = "Gain of one more test{}, relative to the average planned test (1: as good)."
-# Largest number of candidates whose gains are written as numbers.
-MAX_NUMBERS = 60
-
-
-@draw.register
-def draw_planned_tests(result: PlannedTests, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the gain of one more test over the inputs that vary, and mark the planned tests.
-
-    It is a curve over one input, or a map over two, preferably the thicknesses.  Where several candidates share these
-    inputs, the greatest gain is shown.
-    """
-    varied = [key for key in result.candidates if key in INPUTS and len(set(result.candidates[key])) > 1]
-    keys = [key for key in (CERAMIC, BACKING) if key in varied] or varied[:1] or [next(iter(result.candidates))]
-    keys += [key for key in varied if key not in keys][: 2 - len(keys)]
-    columns = [np.array(result.candidates[key]) for key in keys]
-    gains = np.array(result.sensitivities or [np.nan] * len(columns[0]))
-    steps = result.planned[1:]
-    places: list[tuple[Any, ...]] = [tuple(step.inputs[key] for key in keys) for step in steps]
-    velocities = [float(step.inputs[VELOCITY]) for step in steps] if result.measure == "outcome" else []
-    picture = sheet.panels(_tests_title(result), 1.2 * drawing.PANEL, note=_note(result, velocities))
-    [axes] = picture.axes
-    axes.set(xlabel=in_words(keys[0]), ylabel=GAIN if len(keys) == 1 else in_words(keys[1]))
-    if len(keys) == 1:
-        x = np.unique(columns[0])
-        greatest = [float(np.nanmax(gains[columns[0] == value])) if result.sensitivities else np.nan for value in x]
-        axes.plot(x, greatest, color=drawing.BLUE, marker="." if len(x) < 40 else "", label="candidates")
-        places = [(value, greatest[int(np.searchsorted(x, value))]) for (value,) in places]
-    else:
-        axes.set(xlim=drawing.widened(columns[0], 0.15), ylim=drawing.widened(columns[1], 0.15))
-        order = np.argsort(gains, kind="stable")  # `on_grid` keeps the last, which is the greatest
-        _draw_candidates(axes, *drawing.on_grid(columns[0][order], columns[1][order], gains[order]))
-    repeats = Counter(places)
-    drawing.points(axes, *zip(*repeats, strict=True), label="planned", markersize=7.0, color=drawing.VERMILION)
-    for (x, y), times in repeats.items():
-        if times > 1:
-            drawing.name_point(axes, x, y, f"{times} tests")
-    return picture
-
-
-def _tests_title(result: PlannedTests) -> str:
-    """Return how many tests are planned, and the half-width of the first coefficient expected after them."""
-    title = f"Planned: {counted(len(result.planned) - 1, 'test')}"
-    for name, half_width in result.planned[-1].half_widths.items():
-        if half_width is not None:
-            column = Column.of(name, ".2g")
-            return f"{title}, after which {column.label} ± {column.with_unit(half_width)}"
-    return title
-
-
-def _note(result: PlannedTests, velocities: Sequence[float]) -> str:
-    """Return a note on what a gain is, and on the velocities of the planned shots, if there are any."""
-    note = GAINS.format("" if result.planned[-1].total_cost is None else " per unit cost")
-    if not result.sensitivities:
-        note = "The planned tests do not determine the inputs, so no gain is shown."
-    different = listed([f"{velocity:.4g} m/s" for velocity in sorted(set(velocities))])
-    return f"{note} The planned shots are at {different}." if velocities else note
-
-
-def _draw_candidates(axes: Axes, x: Any, y: Any, z: Any) -> None:
-    """Draw the gains of candidates, z, (y, x): as numbers beside points or, on a large complete grid, as colours."""
-    if len(x) * len(y) > MAX_NUMBERS and np.isfinite(z).all():
-        drawing.colours_of(axes, x, y, z, GAIN)
-        return
-    rows, columns = np.nonzero(np.isfinite(z) if np.isfinite(z).any() else np.isnan(z))
-    words = [f"{value:.2f}" if np.isfinite(value) else "" for value in z[rows, columns]]
-    drawing.points(axes, x[columns], y[rows], filled=False, label=GAIN, color=drawing.SOFT)
-    if len(words) <= MAX_NUMBERS:
-        for column, row, name in zip(columns, rows, words, strict=True):
-            drawing.name_point(axes, x[column], y[row], name, above=False)

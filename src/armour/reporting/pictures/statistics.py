@@ -35,7 +35,7 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     """Draw the probability of perforation over velocity, and the ballistic limits at two quantiles of each input."""
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     velocity = drawing.recorded(result, "scenario").impact.velocity_m_s
-    names = [Column.of(index.input).label for index in result.inputs]
+    names = [Column.of(each.input).label for each in result.inputs]
     title = f"Perforated with a probability of {risk(1.0 - p.value)} at {velocity:g} m/s"
     note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
@@ -53,14 +53,14 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     axes.errorbar([velocity], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
     drawing.points(axes, [velocity], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {velocity:g} m/s")
     if names:
-        low, high = zip(*(index.limits_m_s for index in result.inputs), strict=True)
+        low, high = zip(*(each.limits_m_s for each in result.inputs), strict=True)
         swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
     probability = np.array(curve.probability)
     rising = (probability > SHOWN_PROBABILITY) & (probability < 1.0 - SHOWN_PROBABILITY)
     uncertain = np.array(curve.velocity_m_s)[rising].tolist()
-    changed = [limit for index in result.inputs for limit in index.limits_m_s]
+    changed = [limit for each in result.inputs for limit in each.limits_m_s]
     picture.axes[-1].set(
         xlabel="velocity, m/s", xlim=drawing.widened([velocity, *limits.values(), *uncertain, *changed])
     )

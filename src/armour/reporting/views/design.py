@@ -66,7 +66,7 @@ def required_margins(scenario: Scenario | None) -> dict[str, float]:
     return {threat.title: threat.margin_m_s for threat in threats if threat.margin_m_s}
 
 
-def best_table(design: BestDesign, required: Mapping[str, float], title: str = "") -> Table:
+def best_table(design: BestDesign, required: Mapping[str, float]) -> Table:
     """Tabulate a design in a line for each quantity; `required` has the required margins by threat, m/s."""
     limit: list[Source] = [phrases.BALLISTIC_LIMIT]
     if (limit_m_s := design.ballistic_limit_m_s) is None:
@@ -87,7 +87,6 @@ def best_table(design: BestDesign, required: Mapping[str, float], title: str = "
         THICKNESS,
         (COST, design.cost_per_m2 or None),
         (OUTSIDE, outside_words(design.outside_tests) if design.model_error is None else ""),
-        title=title,
     )
 
 
@@ -361,11 +360,6 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
         notes = [] if result.reason else _flow_stress_notes(best)
         exists = [EXISTS] if best.whole_thickness_mm != best.thickness_mm else []
         shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
-    if result.refined is not None:
-        objective = OBJECTIVES[result.minimised]
-        none = f"no {objective.less} design was found between the values of the grid"
-        title = f"{objective.least} design between the values of the grid"
-        shown.append(none if result.refined == best else best_table(result.refined, required, title))
     if best is not None and (len(result.threats) > 1 or best.probabilities):
         shown.append(margin_table(result, required))
     verbose = result.question.get("every_row")

@@ -1,12 +1,13 @@
 """Tables of the library of projectiles and materials, and of the files shipped with the program."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
 
 from armour.errors import listed
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Source, Table
 from armour.scenario.inputs import Kind
-from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, Library, LibraryEntry, NamedThreat
+from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, LibraryEntry, NamedThreat
 
 # By kind and name of a library entry: the names of what it was tested with, rounds for a material and vice versa.
 Tested = Mapping[tuple[Kind, str], Sequence[str]]
@@ -16,18 +17,17 @@ VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 TABLES_OF_TESTS = {
     "tests/plates": "ballistic limits of 1,084 bare plates, for armour validate plates",
     "tests/shots": "firing results on one armour, for armour v50",
-    "tests/unknown_ceramic": "simulated ballistic limits of 4 armours, for armour calibrate --prior",
+    "tests/unknown_ceramic": "simulated ballistic limits of 4 armours, for armour calibrate",
     "tests/wilkins": "ballistic limits of 13 armours, for armour calibrate",
 }
 
 
-def library_table(library: Library, kind: Kind, tested: Tested | None = None) -> Table:
-    """Tabulate the entries of a kind: name, values to 4 digits, and description.
+def library_table(kind: Kind, entries: Collection[LibraryEntry], tested: Tested | None = None) -> Table:
+    """Tabulate entries of a kind: name, values to 4 digits, and description.
 
-    A value that is derived in every entry has no column.  If `tested` is given, list only its entries, and what each
-    was tested with instead of its description.
+    A value that is derived in every entry has no column.  If `tested` is given, show what each entry was tested with
+    instead of its description.
     """
-    entries = [entry for entry in library.entries[kind].values() if tested is None or (kind, entry.name) in tested]
     used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
     keys = [key for key in KINDS[kind].model_fields if key in used_keys]
     description = Column.of("description", prose=True)
@@ -59,6 +59,14 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
         *((Column.of(key, "g"), lambda item, key=key: getattr(item[1], key)) for key in VALUES),
         (Column("status"), lambda item: item[1].status),
     )
+
+
+def tables_by_kind(items: Mapping[Any, Mapping[str, Any]], tested: Tested | None = None) -> list[Table]:
+    """Tabulate entries and threats, given by kind and name; `tested` is that of `library_table`."""
+    return [
+        threat_table(of_kind) if kind == "threat" else library_table(kind, of_kind.values(), tested)
+        for kind, of_kind in items.items()
+    ]
 
 
 def shipped_tables() -> list[Table | str]:

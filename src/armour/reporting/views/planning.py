@@ -1,18 +1,12 @@
-"""Tables of plans of shots and of tests."""
+"""Tables of plans of shots."""
 
-import re
-from dataclasses import replace
 from itertools import zip_longest
-from operator import attrgetter, itemgetter
 
 from armour.planning.firing import ShotPlan
-from armour.planning.plan_tests import PlannedTests
 from armour.reporting.by_result import tables_of
-from armour.reporting.table import Cell, Column, Table, interval, of_part, percent
+from armour.reporting.table import Column, Table, interval, percent
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
-from armour.scenario.inputs import INPUTS, VELOCITY
-from armour.statistics.measured import LIMIT, MEASURED, OUTCOME, Tests
 
 DECISION = (
     "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
@@ -136,104 +130,3 @@ def _shot_table(plan: ShotPlan) -> Table:
     decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
     columns = Column("shot"), Column("velocity", "m/s", f".{max(decimals, 1)}f"), Column("penetration")
     return Table(columns, shots)
-
-
-CRITERION_WORDS = {
-    "D": "D, the smallest confidence region of the fitted inputs",
-    "I": "I, the least mean variance of the limits of the designs",
-}
-
-
-PRIOR_SOURCES = {
-    "given": "given",
-    "uncertainties": "from the uncertainties of the tests made before",
-    "residuals": "estimated from the residuals of the tests made before",
-}
-
-
-PLANNED = re.compile(r"planned (\d{1,15})")
-
-
-NOTE = (
-    "±: expected half-width of the interval after this test and all before it; for limits by the model, without the "
-    "model error"
-)
-
-
-SLOPE_NOTE = "slope: relative change of the flow stress per projectile diameter of layer thickness"
-
-
-def plan_table(result: PlannedTests) -> Table:
-    """Tabulate the settings of a plan of tests: criterion, candidates, scatter, inputs to fit, and its efficiency."""
-    measured = relative_to = "ballistic limit"
-    if result.measure == "outcome":
-        measured, relative_to = "outcome of one shot, stopped or perforated", "impact velocity"
-    efficient = f"none: {'the candidates do not determine the inputs' if result.not_identified else 'too few tests'}"
-    if result.efficiency is not None:
-        efficient = f"at least {percent(int(1000.0 * result.efficiency) / 1000.0)}"
-    scatter = f"{result.scatter_percent:.3g} % of the {relative_to}, {PRIOR_SOURCES[result.scatter_source]}"
-    return Table.of_one(
-        result,
-        (Column("criterion"), CRITERION_WORDS[result.criterion]),
-        (Column("candidates", spec="d"), len(next(iter(result.candidates.values())))),
-        (Column("measured"), measured),
-        (Column("scatter of a test"), scatter),
-        (Column("tests made before"), result.tests),
-        (Column("law of the ceramic's flow stress"), result.law),
-        *((Column.of(name, ".4g"), value) for name, value in result.values.items()),
-        (Column("efficiency"), efficient),
-    )
-
-
-def step_table(result: PlannedTests) -> Table:
-    """Tabulate the planned tests in order, with the half-widths of the intervals expected after each."""
-    before = result.planned[0]
-    is_nothing_known = {*before.half_widths.values(), *before.limit_half_widths_m_s} == {None}
-    steps = result.planned[1:] if is_nothing_known else result.planned
-    keys = list(result.candidates)
-    varied = [key for key in keys if len(set(result.candidates[key])) > 1] or keys
-    names = result.designs if len(result.designs) > 1 else ["the design"] * len(result.designs)
-    inputs = ((Column.of(key, "g" if key in INPUTS else ""), itemgetter(key)) for key in varied)
-    widths = (replace(Column.of(name, ".3g"), label=f"± {Column.of(name).label}") for name in result.values)
-    limits = ((Column(f"± limit of {name}", "m/s", ".0f"), itemgetter(index)) for index, name in enumerate(names))
-    return Table.of(
-        steps,
-        (Column("test"), lambda step: str(step.number or "before")),
-        *of_part(lambda step: step.inputs if step.number else None, *inputs),
-        Column.of("ballistic_limit_m_s", ".0f", "limit by the model"),
-        Column.of("total_cost", ".6g"),
-        *of_part(attrgetter("half_widths"), *((column, itemgetter(column.key)) for column in widths)),
-        *of_part(attrgetter("limit_half_widths_m_s"), *limits),
-    )
-
-
-@tables_of.register
-def tables_of_planned_tests(result: PlannedTests) -> list[Table | str]:
-    """Return all tables of planned tests."""
-    slopes = [SLOPE_NOTE] if any(name.endswith("_slope") for name in result.values) else []
-    return [step_table(result), NOTE, *slopes, plan_table(result)]
-
-
-def form_table(result: PlannedTests) -> Table:
-    """Return a form: a table of the planned tests for `armour calibrate`, with the measured values left blank.
-
-    The uncertainty of a planned test is filled in if it is known.  Tests made before come first, with their values.
-    The numbering of planned tests continues from theirs.
-    """
-    tests: Tests | None = result.question.get("tests")
-    has_scatter = tests.weighted if tests is not None else result.scatter_known
-    uncertainty_key = MEASURED[LIMIT]
-    measured_key = LIMIT if result.measure == "limit" else OUTCOME
-    earlier = {} if tests is None else dict(zip(tests.names, tests.cells, strict=True))
-    rows: list[dict[str, Cell]] = [{**cells, "test": name} for name, cells in earlier.items()]
-    last = max((int(match[1]) for match in map(PLANNED.fullmatch, earlier) if match), default=0)
-    for step in result.planned[1:]:  # the first is the state before all tests
-        row: dict[str, Cell] = {"test": f"planned {last + step.number}", **step.inputs}
-        expected_m_s = step.ballistic_limit_m_s if result.measure == "limit" else step.inputs[VELOCITY]
-        if has_scatter and expected_m_s is not None:
-            row[uncertainty_key] = float(f"{result.scatter_percent / 100.0 * float(expected_m_s):.3g}")
-        rows.append(row)
-    keys = dict.fromkeys(["test", *(key for row in rows for key in row if key not in (measured_key, uncertainty_key))])
-    columns = [*keys, measured_key, *([uncertainty_key] if has_scatter else [])]
-    headings = tuple(Column(Column.of(key).label, key=key) for key in columns)
-    return Table(headings, tuple(tuple(row.get(key) for key in columns) for row in rows))

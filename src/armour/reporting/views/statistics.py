@@ -23,7 +23,6 @@ from armour.reporting.words import (
     STOPPING,
     chance,
     error_note,
-    estimated,
     risk,
     rounded_up,
     sampled_percents,
@@ -38,9 +37,6 @@ from armour.statistics.v50 import FiringResult
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
-
-
-INDEX_NOTE = "true indices lie between 0 and 1; sampling error can push estimates and intervals slightly outside"
 
 
 def estimate_table(result: UncertaintyResult) -> Table:
@@ -59,13 +55,11 @@ def estimate_table(result: UncertaintyResult) -> Table:
     return Table(columns, tuple(rows))
 
 
-def index_table(result: UncertaintyResult) -> Table:
-    """Tabulate the Sobol' indices of each input, and the ballistic limits at its 5 and 95 % quantiles."""
+def influence_table(result: UncertaintyResult) -> Table:
+    """Tabulate the ballistic limits with each input in turn at its 5 and 95 % quantiles."""
     return Table.of(
         result.inputs,
         (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("first-order index"), lambda item: estimated(item.first, ".2f")),
-        (Column("total index"), lambda item: estimated(item.total, ".2f")),
         (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
     )
 
@@ -79,15 +73,7 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     method = Column("method"), f"{result.method}, seed {result.seed}"
     of_scenario = Column.of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
     spread = Column.of("standard_deviation_m_s", ".0f")
-    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), index_table(result)]
-    estimates = [estimate for index in result.inputs for estimate in (index.first, index.total) if estimate]
-    if any(estimate.low < 0.0 or estimate.high > 1.0 for estimate in estimates):
-        parts.append(INDEX_NOTE)
-    if any(index.first and not index.total for index in result.inputs):
-        parts.append(
-            "inputs are correlated: variance that they share is attributed to each of them, so that the first-order "
-            "indices may sum to more than 1; total indices are not given"
-        )
+    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), influence_table(result)]
     return parts
 
 
@@ -116,7 +102,7 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
 
 
 def calibration_table(result: CalibrationResult) -> Table:
-    """Tabulate the errors of a fit to tests, its AICc and, if the tests have uncertainties, its chi-squared test."""
+    """Tabulate the errors of a fit to tests and, if the tests have uncertainties, its chi-squared test."""
     weighted, few = result.weights == "uncertainties", _no_error(result)
     return Table.of_one(
         result,
@@ -125,7 +111,6 @@ def calibration_table(result: CalibrationResult) -> Table:
         Column.of("law", label="law of the ceramic's flow stress"),
         _error("mean error", result.mean_error_percent, few),
         _error("mean leave-one-out error", result.left_out_error_percent, few),
-        (Column("AICc", spec=".1f"), None if _has_prior(result) else _value_or(result.aicc, "too few tests")),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
@@ -144,11 +129,6 @@ def _error(label: str, value: float | None, few: str) -> Source:
     return (Column(label), few) if value is None else (Column(label, "%", ".1f"), value)
 
 
-def _has_prior(result: CalibrationResult) -> bool:
-    """Return whether any coefficient of a calibration has a prior."""
-    return any(coefficient.prior_share is not None for coefficient in result.coefficients)
-
-
 def coefficient_table(result: CalibrationResult) -> Table:
     """Tabulate the fitted coefficients with their intervals, or the reasons why they are not identified."""
     known = Column(f"{percent(result.confidence)} interval", prose=True)
@@ -157,29 +137,6 @@ def coefficient_table(result: CalibrationResult) -> Table:
         (Column("coefficient", prose=True), lambda c: in_words(c.name)),
         (Column("estimate", spec=".4g"), lambda c: _value_or(c.estimate, "not identified")),
         (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
-        (Column("part of the prior", "%", ".0f"), lambda c: c.prior_share and 100.0 * c.prior_share),
-    )
-
-
-PRIOR_NOTE = (
-    "part of the prior: its share of the precision (inverse variance); at 0 % the tests alone determine the estimate, "
-    "at 100 % they add nothing"
-)
-
-
-def law_table(result: CalibrationResult) -> Table:
-    """Tabulate the laws of the flow stress that were compared: their errors and AICc."""
-    few = "too few tests"
-    return Table.of(
-        result.laws,
-        Column.of("law"),
-        Column.of("coefficients", "d"),
-        (Column.of("mean_error_percent", ".1f"), lambda law: _value_or(law.mean_error_percent, few)),
-        (Column("mean leave-one-out error", "%", ".1f"), lambda law: _value_or(law.left_out_error_percent, few)),
-        (
-            Column("AICc", spec=".1f"),
-            lambda law: _value_or(law.aicc, "none with a prior" if _has_prior(result) else few),
-        ),
     )
 
 
@@ -242,8 +199,7 @@ def own_measured(test: OwnTest) -> str:
 @tables_of.register
 def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     """Return all tables of a calibration."""
-    parts: list[Table | str] = [law_table(result)] if result.laws else []
-    parts += [coefficient_table(result), *([PRIOR_NOTE] if _has_prior(result) else []), calibration_table(result)]
+    parts: list[Table | str] = [coefficient_table(result), calibration_table(result)]
     parts += [correlation_table(result)] if len(result.coefficients) > 1 else []
     return [*parts, residual_table(result)]
 
