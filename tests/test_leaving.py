@@ -68,10 +68,6 @@ KEYS = {
         *("inputs.first", "inputs.total"),
     ],
     "calibrate unknown_ceramic tests/unknown_ceramic": ["aicc", "laws", "coefficients.prior_share"],
-    "compare wilkins": [
-        *("fits", "fitted_m_s", "florence.best_ceramic_thickness_mm", "florence.best_backing_thickness_mm"),
-        *("florence.best_thickness_ratio", "florence.best_ballistic_limit_m_s", "florence.model_ballistic_limit_m_s"),
-    ],
     "validate paper": ["errors"],
 }
 

@@ -74,7 +74,6 @@ from .validation.comparison import Comparison as Comparison
 from .validation.comparison import RuleResult as RuleResult
 from .validation.comparison import compare as compare
 from .validation.formulas import FlorenceResult as FlorenceResult
-from .validation.formulas import ResidualVelocityFit as ResidualVelocityFit
 from .validation.suite import Case as Case
 from .validation.suite import Suite as Suite
 from .validation.suite import load_suite as load_suite

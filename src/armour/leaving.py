@@ -29,7 +29,6 @@ LEAVING = {
     "armour.LawFit": "",
     "armour.PlannedTest": "",
     "armour.PlannedTests": "",
-    "armour.ResidualVelocityFit": "",
 }
 
 

@@ -7,9 +7,8 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.stats import linregress, t
 
-from armour.validation.comparison import COMPARED_TESTS
+from armour.validation.comparison import COMPARED_TESTS, Error
 from armour.validation.formulas import fit_areal_density_rule
-from armour.validation.rivals import Error
 from armour.validation.suite import load_suite
 from armour.validation.validate import SuiteResult, paper_suite, validate
 from tests.helpers.cases import SCENARIOS

@@ -7,7 +7,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.reporting.views.validation import suite_junit, suite_tables
-from armour.validation.formulas import florence_ballistic_limit
+from armour.validation.formulas import florence_results
 from armour.validation.questions import Subject
 from armour.validation.suite import load_suite
 from armour.validation.suite_sections import Between, meets
@@ -117,7 +117,7 @@ def test_errors_of_every_prediction(folder: Path):
     assert errors["they"].mean_percent == pytest.approx(2.5)
     assert errors["they"].largest_percent == pytest.approx(5.0)
     assert errors["this model"].largest_percent == pytest.approx(100.0 * (1.0 - LIMIT / 730.0))
-    florence = florence_ballistic_limit(scenario())
+    florence = florence_results(scenario())[0].ballistic_limit_m_s
     off = [100.0 * (1.0 - florence / expected) for expected in (720.0, 730.0)]
     assert errors["Florence, penetrator (5.46 g, 6.5 mm)"].mean_percent == pytest.approx(sum(off) / 2)
 

@@ -5,7 +5,6 @@ given in sample and leave-one-out.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,27 +13,11 @@ from armour.scenario.inputs import FLOW_STRESS
 from armour.scenario.sections import TINY
 from armour.statistics.measured import LIMIT, read_tests
 from armour.validation import formulas
+from armour.validation.comparison import Error
 from armour.validation.suite import Case
 
 # Least number of tests for a fit, and of different areal densities to fit the exponent too.
 MIN_FITTED = 3
-
-
-@dataclass(frozen=True)
-class Error:
-    """Mean and largest magnitude of the relative errors of a method, ``predictor``, on the ``count`` tests of a table.
-
-    ``fitted`` describes the fit of the method and its tests, if there was one.  If it was fitted to the table itself,
-    ``left_out_percent`` is the mean error when the fit that predicts a test leaves this test out.
-    """
-
-    table: str
-    predictor: str
-    count: int
-    mean_percent: float
-    largest_percent: float
-    left_out_percent: float | None = None
-    fitted: str = ""
 
 
 def errors_of(computed: Iterable[tuple[Case, float | str | None]]) -> tuple[Error, ...]:
@@ -66,11 +49,7 @@ def _florence_limits(case: Case) -> Mapping[str, float]:
     scenario = case.scenario
     if case.quantity != LIMIT or formulas.missing_for_florence(scenario):
         return {}
-    limits = {}
-    for body in formulas.bodies_of(scenario):
-        mass, diameter = formulas.mass_and_diameter(scenario, body)
-        limits[f"Florence, {body} ({mass:g} g, {diameter:g} mm)"] = formulas.florence_ballistic_limit(scenario, body)
-    return limits
+    return {formulas.florence_name(each): each.ballistic_limit_m_s for each in formulas.florence_results(scenario)}
 
 
 def _fitted_before(case: Case) -> str:

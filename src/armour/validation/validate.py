@@ -19,8 +19,9 @@ from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
 from armour.statistics.measured import OUTCOME
+from armour.validation.comparison import Error
 from armour.validation.questions import Subject, answer
-from armour.validation.rivals import Error, errors_of
+from armour.validation.rivals import errors_of
 from armour.validation.suite import Case, Suite, has_own_rivals, load_suite
 from armour.validation.suite_sections import GroupSection, TableSection, meets
 
