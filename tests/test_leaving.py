@@ -16,7 +16,6 @@ from armour.cli.runner import CHECK_FAILED
 from armour.leaving import LEAVING, leaving
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.commands import invoke
-from tests.helpers.suites import TABLE, WILKINS_LIMIT, case
 from tests.test_stability import LIST
 
 STABILITY = Path(__file__).parent.parent / "docs" / "stability.md"
@@ -31,12 +30,11 @@ COMMANDS = {
     "calibrate --law all": ["calibrate tests/unknown_ceramic unknown_ceramic --law all"],
     "library show": ["library show AD85", "library show 'NIJ 0101.06 type IV, M2 AP'", "library --json show AD85"],
     **{f"library {kind}": [f"library {kind}"] for kind in ("projectiles", "ceramics", "threats", "metals")},
-    "table.rivals": ["validate suite.toml", "report suite.toml -o suite.md"],
 }
 # Commands near to these, which stay.
 STAYING = [
     *("library", "library --tested", f"optimise {OPTIMUM}", "v50 tests/shots wilkins --prior"),
-    *("calibrate tests/unknown_ceramic unknown_ceramic", "validate paper --only table", "validate plain.toml"),
+    "calibrate tests/unknown_ceramic unknown_ceramic",
 ]
 
 
@@ -53,7 +51,6 @@ PROGRAMS: dict[str, Callable[[], object]] = {
     "optimise(refine=True)": lambda: armour.optimise(armour.load_scenario(OPTIMUM), refine=True),
     "calibrate(prior=True)": lambda: calibrated(prior=True),
     'calibrate(law="all")': lambda: calibrated(law="all"),
-    "table.rivals": lambda: armour.validate("suite.toml"),
     **{name: partial(getattr, armour, name[7:]) for name in LEAVING if name.startswith("armour.")},
 }
 # Keys of JSON that leave, by command of tests/interface.json; they say nothing.
@@ -68,17 +65,14 @@ KEYS = {
         *("inputs.first", "inputs.total"),
     ],
     "calibrate unknown_ceramic tests/unknown_ceramic": ["aicc", "laws", "coefficients.prior_share"],
-    "validate paper": ["errors"],
 }
 
 
 @pytest.fixture(autouse=True)
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Suites with and without rivals in the working folder, and no public name used before."""
+    """A scenario in the working folder, and no public name used before."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(SCENARIOS / "wilkins.toml", "wilkins.toml")
-    Path("suite.toml").write_text(TABLE)
-    Path("plain.toml").write_text(case("limit", WILKINS_LIMIT, "band = 1.0"))
     for name in LEAVING:
         monkeypatch.delitem(vars(armour), name.removeprefix("armour."), raising=False)
 

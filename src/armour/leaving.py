@@ -20,7 +20,6 @@ LEAVING = {
     "library ceramics": _WORDS,
     "library threats": _WORDS,
     "library metals": _WORDS,
-    "table.rivals": "compare other predictions with the values of validate --json",
     "plan_tests": _TESTS_TO_SPREAD,
     "optimise(refine=True)": _RANGE,
     "calibrate(prior=True)": _TESTS_OF_PRIOR,

@@ -16,7 +16,7 @@ from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE, said_of
 from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT
-from armour.validation.comparison import Comparison, Error, RuleResult
+from armour.validation.comparison import Comparison, RuleResult
 from armour.validation.figures import Figure
 from armour.validation.formulas import florence_name
 from armour.validation.suite import Case
@@ -108,17 +108,6 @@ def held_to(summary: TableSummary) -> str:
     return ", ".join(parts)
 
 
-def error_tables(errors: Sequence[Error]) -> list[Table]:
-    """Return a table for each table of a suite that compares predictions, with the errors of each predictor."""
-    predictor = Column.of("predictor", label="predicted by", prose=True)
-    numbers = [Column.of("mean_percent", ".1f", "mean error"), Column.of("left_out_percent", ".1f")]
-    columns = predictor, *numbers, Column.of("largest_percent", ".1f"), Column.of("fitted", prose=True)
-    return [
-        Table.of(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
-        for table, group in grouped(errors, lambda error: error.table).items()
-    ]
-
-
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
     """Return names and notes of cases: why they have no answer, are not scored, or have their band.
 
@@ -143,7 +132,7 @@ def verdict(result: SuiteResult) -> str:
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
-    """Return all tables of a suite: its cases, its tables as a whole, and the errors of predictions.
+    """Return all tables of a suite: its cases, and its tables as a whole.
 
     A table whose rows are in a file shows its groups instead, and those rows that are outside their bands or have no
     answer.
@@ -153,7 +142,7 @@ def suite_tables(result: SuiteResult) -> list[Table]:
         in_file = bool(checks[0].case.cells)
         tables += [group_table(result, name), *failed_table(name, checks)] if in_file else [check_table(checks, name)]
     whole = summary_table(result)
-    return [*tables, *([whole] if whole.rows else []), *error_tables(result.errors)]
+    return [*tables, *([whole] if whole.rows else [])]
 
 
 def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
@@ -249,9 +238,9 @@ def usable_table(result: SuiteResult) -> Table:
     groups = check_groups(result)
 
     def is_measured(summary: TableSummary) -> bool:
-        cases = [check.case for check in groups[summary.name]]
-        of_limits = not summary.group and (summary.unit, cases[0].quantity) == ("%", LIMIT)
-        return of_limits and summary.status != "not scored" and any(case.cells or case.rivals for case in cases)
+        case = groups[summary.name][0].case
+        of_limits = not summary.group and (summary.unit, case.quantity) == ("%", LIMIT)
+        return of_limits and summary.status != "not scored" and not case.regression and case.measured is None
 
     return Table.of(
         filter(is_measured, result.summaries),
