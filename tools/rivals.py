@@ -18,7 +18,8 @@ from armour.reporting.views.validation import suite_report
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import calibrate
 from armour.statistics.measured import read_tests
-from armour.validation.comparison import COMPARED_TESTS, Error, compare
+from armour.validation.comparison import Error, compare
+from armour.validation.tested import COMPARED_TESTS
 from armour.validation.validate import SuiteResult, validate
 
 PAGE = Path(__file__).parents[1] / "docs" / "evidence" / "validation.md"

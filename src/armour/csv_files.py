@@ -39,8 +39,6 @@ MAX_TABLE_ROWS = 100_000
 MAX_LINE = 100_000
 # Number of first lines among which the header is; least number of known names in a header that is not the first line.
 HEAD, LEAST_NAMES = 40, 2
-# Words on how a table is read that stands as it is: none, or that commas divide its columns.
-AS_IT_STANDS: tuple[list[str], ...] = ([], ["commas"])
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Endings of workbooks.
 WORKBOOKS = (".xlsx", ".xlsm")
@@ -128,9 +126,10 @@ class Source:
         """Raise an error with all that is wrong, in the order of the lines, after what is wrong in the whole file."""
         refuse(sorted(self.problems, key=lambda problem: int((_LINE.match(problem.key) or [0, 0])[1])))
 
-    def words(self) -> list[str]:
-        """Return how the table is read: nothing, or only the commas between its columns, if as it stands."""
-        return [*dict.fromkeys(self.form)]
+    def told(self, rows: str, notes: Sequence[str] = ()) -> tuple[str, bool]:
+        """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
+        words = [*dict.fromkeys(self.form)]
+        return ", ".join([*words, rows, *notes]), words in ([], ["commas"]) and not notes
 
 
 @dataclass(frozen=True)
@@ -424,10 +423,8 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
         notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
     if equal:
         notes.append(f"{listed(equal)} equal to an earlier row, counted")
-    words = source.words()
-    told = ", ".join([*words, counted(len(rows), kind.noun), *notes])
-    plain = words in AS_IT_STANDS and not notes
-    read = TableRead(told, plain, left_out, (*ignored,), source.digest.hexdigest(), (*warnings,))
+    told = source.told(counted(len(rows), kind.noun), notes)
+    read = TableRead(*told, left_out, (*ignored,), source.digest.hexdigest(), (*warnings,))
     return CsvTable(file, rows, read, groups)
 
 

@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from armour.validation.formulas import Plates, conoid_radius, fit_areal_density_rule, florence_limit
+from armour.validation.formulas import Plates, fit_areal_density_rule, florence_limit
 
 MASS, RADIUS = 8.32e-3, 3.81e-3
 
@@ -25,7 +25,7 @@ def test_florence_check_values(ceramic_mm: float, backing_mm: float, limit: floa
 def test_florence_in_another_form():
     """Energy of the plate's stretching, shared with the mass that moves along."""
     p = plates(7e-3, 6e-3)
-    area = pi * conoid_radius(RADIUS, p.h1) ** 2
+    area = pi * (RADIUS + 2.0 * p.h1) ** 2
     moved = (p.rho1 * p.h1 + p.rho2 * p.h2) * area
     energy = p.eps2 * p.sigma2 * p.h2 * area / 0.91
     assert florence_limit(MASS, RADIUS, p) == pytest.approx(sqrt(energy * (MASS + moved)) / MASS)

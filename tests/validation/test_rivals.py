@@ -5,8 +5,9 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.stats import linregress, t
 
-from armour.validation.comparison import COMPARED_TESTS, Error
+from armour.validation.comparison import Error
 from armour.validation.formulas import fit_areal_density_rule
+from armour.validation.tested import COMPARED_TESTS
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.fits import wilkins_fit
 from tests.helpers.suites import of_paper

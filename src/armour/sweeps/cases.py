@@ -130,8 +130,8 @@ class SweepCases:
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        words = source.words()
-        self.read = "" if words in csv_files.AS_IT_STANDS else ", ".join([*words, counted(self.count, "row")])
+        told, plain = source.told(counted(self.count, "row"))
+        self.read = "" if plain else told
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         """Return the rows at the indices `places`, (n,), as columns by key, (n,) each."""

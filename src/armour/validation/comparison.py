@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,19 +11,14 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
 from armour.analysis.variants import Floats
-from armour.csv_files import shipped_rows
 from armour.errors import refuse
-from armour.files import shipped_files
 from armour.scenario.checked import checked
-from armour.scenario.inputs import LAYERS, ROLES
-from armour.scenario.scenario import ANY_VELOCITY, Scenario, load_scenario
+from armour.scenario.inputs import ROLES
+from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics.measured import LIMIT
 from armour.validation import formulas
 from armour.validation.formulas import FlorenceResult
-from armour.validation.tested import MeasuredArmour, nearest_measured
-
-# Tests to which the areal density rule is fitted, as the paper's suite names them.
-COMPARED_TESTS = "table 3, Wilkins' measurements"
+from armour.validation.tested import COMPARED_TESTS, MeasuredArmour, nearest_measured, wilkins_tests
 
 
 @dataclass(frozen=True)
@@ -180,37 +174,12 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         limit=limit,
         florence=() if missing else formulas.florence_results(scenario),
         curve=residual_velocity_curve(scenario, limit, on_progress),
-        tests=_wilkins().words(),
+        tests=wilkins_tests().words(),
         rules=rules,
         errors=tuple(_errors()) if rules else (),
         florence_missing=tuple(problem.key for problem in missing),
         measured=nearest_measured(scenario, limit.ballistic_limit_m_s),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
-
-
-class _Tests(NamedTuple):
-    """Wilkins' n tests; arrays, (n,)."""
-
-    scenarios: list[Scenario]
-    columns: dict[str, Floats]  # thicknesses, mm, by key
-    areal_densities: Floats  # along the line of fire, kg/m²
-    limits: Floats  # as measured, m/s
-
-    def words(self) -> str:
-        """Return number, round, materials and range of areal densities, as text."""
-        projectile, ceramic, backing = (self.scenarios[0].name_of(role) for role in ROLES)
-        span = f"{self.areal_densities.min():.1f} to {self.areal_densities.max():.1f} kg/m²"
-        return f"{len(self.limits)} tests of {projectile} on {ceramic} and {backing}, {span} ({COMPARED_TESTS})"
-
-
-@cache
-def _wilkins() -> _Tests:
-    """Return the tests to which the areal density rule is fitted."""
-    wilkins, rows = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), shipped_rows("tests/wilkins")
-    columns = {key: np.array([float(row[key]) for row in rows]) for key in (*LAYERS, LIMIT)}
-    limits = columns.pop(LIMIT)
-    scenarios = [wilkins.replaced({key: float(row[key]) for key in LAYERS}) for row in rows]
-    return _Tests(scenarios, columns, np.array([*map(formulas.along_fire_kg_m2, scenarios)]), limits)
 
 
 def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResult, ...]:
@@ -219,7 +188,7 @@ def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResul
     `limit_m_s` is the armour's limit by the model.  The result is empty if the tests to which the rule is fitted are of
     another round or of other materials.
     """
-    tests, rules = _wilkins(), []
+    tests, rules = wilkins_tests(), []
     if any(scenario.entry_of(role) != tests.scenarios[0].entry_of(role) for role in ROLES):
         return ()
     for p in (1.0, None):
@@ -232,23 +201,19 @@ def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResul
 
 def _errors() -> Iterator[Error]:
     """Yield the errors on Wilkins' tests of the model, of Florence's formula and of the areal density rules."""
-    scenarios, columns, densities, limits = _wilkins()
-    value = scenarios[0].entry("ceramic", scenarios[0].armour.ceramic or "").values["flow_stress_GPa"]
-    by_model = evaluate(scenarios[0], columns, [LIMIT])[LIMIT]
-    yield Error.of(
-        "this model", limits, by_model, fitted=f"flow stress of {scenarios[0].armour.ceramic}: {value.source}"
-    )
+    scenarios, columns, densities, limits = wilkins_tests()
+    name, fit = scenarios[0].armour.ceramic or "", formulas.fit_areal_density_rule
+    fitted = f"flow stress of {name}: {scenarios[0].entry('ceramic', name).values['flow_stress_GPa'].source}"
+    yield Error.of("this model", limits, evaluate(scenarios[0], columns, [LIMIT])[LIMIT], fitted=fitted)
     for results in zip(*map(formulas.florence_results, scenarios), strict=True):
-        yield Error.of(
-            formulas.florence_name(results[0]), limits, np.array([result.ballistic_limit_m_s for result in results])
-        )
-    for p in (1.0, None):
-        rule = formulas.fit_areal_density_rule(densities, limits, p)
+        predicted = np.array([result.ballistic_limit_m_s for result in results])
+        yield Error.of(formulas.florence_name(results[0]), limits, predicted)
+    for p, name in ((1.0, "p = 1"), (None, "p fitted")):
+        rule = fit(densities, limits, p)
         left_out = [
-            formulas.fit_areal_density_rule(np.delete(densities, place), np.delete(limits, place), p).limit(density)
+            fit(np.delete(densities, place), np.delete(limits, place), p).limit(density)
             for place, density in enumerate(densities)
         ]
-        name = "p = 1" if p else "p fitted"
-        fitted = f"k = {rule.k:.2f} to these tests" if p else f"k = {rule.k:.2f} and p = {rule.p:.3f} to these tests"
-        predicted = np.array([rule.limit(density) for density in densities])
+        fitted = f"k = {rule.k:.2f}{'' if p else f' and p = {rule.p:.3f}'} to these tests"
+        predicted = np.array([*map(rule.limit, densities)])
         yield Error.of(f"areal density rule, {name}", limits, predicted, np.array(left_out), fitted)

@@ -32,17 +32,12 @@ class Plates(NamedTuple):
     eps2: float
 
 
-def conoid_radius(r: float, h1: float) -> float:
-    """Return the radius of the loaded area of the back plate, m: a = r + 2 h1, with the projectile's radius r, m."""
-    return r + 2.0 * h1
-
-
 def florence_limit(m: float, r: float, plates: Plates) -> float:
     """Compute Florence's ballistic limit, m/s [Florence1969], in the form of [Hetherington1991].
 
-    The projectile has the mass m, kg, and the radius r, m.
+    The projectile has the mass m, kg, and the radius r, m; it loads the back plate over the radius r + 2 h1.
     """
-    area = pi * conoid_radius(r, plates.h1) ** 2
+    area = pi * (r + 2.0 * plates.h1) ** 2
     areal_density = plates.rho1 * plates.h1 + plates.rho2 * plates.h2
     f = m / ((m + areal_density * area) * area)
     return sqrt(plates.eps2 * plates.sigma2 * plates.h2 / (0.91 * m * f))
