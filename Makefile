@@ -48,7 +48,7 @@ format: $(VENV)/developing
 
 # Write the generated pages and pictures of docs/.
 docs: $(VENV)/developing
-	$(BIN)/armour validate --markdown docs/evidence/validation.md --force
+	$(BIN)/python -m tools.rivals
 	$(BIN)/armour validate plates --markdown docs/evidence/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python tools/drawings.py

@@ -7,73 +7,20 @@ from functools import cache, lru_cache
 from math import inf
 from typing import NamedTuple
 
-from armour.units import FT, words_and_unit
+from armour.files import read_toml, shipped
+from armour.units import words_and_unit
 
-VELOCITIES = (
-    *("velocity", "v", "impact velocity", "striking velocity", "strike velocity", "shot velocity", "speed", "vel"),
-    *("impact vel", "striking vel", "strike vel", "V impact", "Geschwindigkeit", "Auftreffgeschwindigkeit", "Geschw."),
-    *("vitesse", "vitesse impact", "vitesse d'impact", "V strike", "V imp", "impact speed", "striking speed"),
-    *("Auftreffgeschw.", "Auftreff-v"),
-)
-RESULT_NAMES = (
-    *("result", "test result", "outcome", "penetration", "PP/CP", "CP/PP", "P/C", "Ergebnis", "Resultat", "Befund"),
-    *("résultat", "résultat du tir"),
-)
-SHOT_NAMES = ("shot", "no", "nr", "#", "number", "round no", "Schuss", "Nummer", "lfd. Nr.", "tir", "n°", "numéro")
+_DATA = read_toml(shipped("configs") / "columns.toml")
+_COLUMNS = [(key, column["names"]) for column in _DATA["column"] for key in column["keys"]]
 # Usual names of columns by key, without the unit; only letters and digits are compared, whatever their case.
-USUAL_NAMES: dict[str, tuple[str, ...]] = {
-    "shot": SHOT_NAMES,
-    "velocity_m_s": VELOCITIES,
-    "result": RESULT_NAMES,
-    "perforated": (
-        *("perforated", "perforation", "complete", "complete penetration", "CP"),
-        *("Durchschlag", "durchschlagen", "Durchschuss", "perforé", "perforation complète"),
-    ),
-    "stopped": ("stopped", "partial", "partial penetration", "PP", "gestoppt", "gehalten", "arrêté", "non perforé"),
-    "counts": (
-        *("counts", "counted", "fair", "fair hit", "fair impact", "valid", "valid hit", "valid shot", "accepted"),
-        *("include", "included", "used", "used for V50", "status", "gültig", "gültiger Schuss", "Treffer gültig"),
-        *("Gültigkeit", "gewertet", "Wertung", "zählt", "valable", "coup valable", "tir valable", "valide", "validité"),
-        *("retenu", "coup retenu"),
-    ),
-    "excluded": (
-        *("excluded", "exclude", "rejected", "disregard", "disregarded", "invalid", "unfair", "ungültig"),
-        *("nicht gewertet", "exclu", "écarté", "rejeté"),
-    ),
-    "panel": ("panel", "test panel", "panneau"),
-    "target": ("target", "Ziel", "cible"),
-    "plate": ("plate", "Platte", "Platten", "plaque"),
-    "specimen": ("specimen", "sample", "Prüfling", "Prüfmuster", "Muster", "Probe", "échantillon", "éprouvette"),
-    "lab": ("lab", "laboratory", "Labor", "laboratoire"),
-    "lot": ("lot", "batch", "Los", "Charge", "Chargen"),
-    "laboratory": ("laboratory", "lab", "Labor", "laboratoire"),
-    "series": ("series", "test series", "Serie", "série"),
-    "date": ("date", "Datum"),
-    "test": ("test", "Versuch", "essai", *SHOT_NAMES),
-    "impact.velocity_m_s": VELOCITIES,
-    "outcome": RESULT_NAMES,
-    "impact.projectile": ("projectile", "Projektil", "Geschoss"),
-    "impact.obliquity_deg": ("obliquity", "NATO angle", "Auftreffwinkel NATO"),
-    "armour.ceramic": ("ceramic", "Keramik", "céramique"),
-    "armour.ceramic_thickness_mm": (
-        *("ceramic thickness", "thickness of ceramic", "Dicke Keramik", "Keramikdicke"),
-        *("épaisseur céramique", "épaisseur de la céramique", "tile thickness", "Kacheldicke", "Fliesendicke"),
-    ),
-    "armour.backing": ("backing", "back plate", "Rücken", "Rückplatte", "support"),
-    "armour.backing_thickness_mm": (
-        *("backing thickness", "thickness of backing", "back plate thickness", "Dicke Rücken", "Rückendicke"),
-        *("Dicke Stahl", "Dicke Backing", "épaisseur support", "épaisseur du support"),
-    ),
-    "ballistic_limit_m_s": ("ballistic limit", "V50", "ballistische Grenzgeschwindigkeit", "limite balistique"),
-    "ballistic_limit_uncertainty_m_s": (
-        *("ballistic limit uncertainty", "V50 uncertainty", "uncertainty of V50", "s", "s V50", "u V50"),
-        *("Unsicherheit V50", "V50 Unsicherheit", "Unsicherheit der V50", "incertitude V50", "incertitude de la V50"),
-    ),
-    "residual_velocity_m_s": ("residual velocity", "Restgeschwindigkeit", "vitesse résiduelle"),
-    "residual_velocity_uncertainty_m_s": ("residual velocity uncertainty",),
-    "residual_mass_g": ("residual mass", "Restmasse", "masse résiduelle"),
-    "residual_mass_uncertainty_g": ("residual mass uncertainty",),
-}
+USUAL_NAMES = {key: [name for other, names in _COLUMNS if other == key for name in names] for key, _ in _COLUMNS}
+# Factors to the units of keys, by the units that people write.
+UNITS: dict[str, dict[str, float]] = _DATA["units"]
+# Pairs of words: for an armour that stopped a shot and one that was perforated; for no and yes, which are results only
+# in a column whose header says of what; and for a shot that does not count and one that does, besides no and yes.
+OUTCOME_WORDS, YES_OR_NO, COUNTED = (_DATA[key] for key in ("outcomes", "yes_or_no", "counted"))
+# All pairs of words for no and yes, in some sense.
+PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
 # Columns of text that tell the targets of shots apart.
 GROUPS = ("panel", "target", "plate", "specimen", "lab", "lot")
 # Columns whose names may have a word for "number" before or behind them.
@@ -84,83 +31,6 @@ _NUMBER = "(?:number|nummer|numero|no|nr|n°|#|id)"
 RESULT_KEYS = ("result", "outcome")
 COUNT_KEYS = ("counts", "excluded")
 YES_MEANS = {"perforated": True, "stopped": False, "counts": True, "excluded": False}
-# Factors to the units of keys, by the units that people write.
-UNITS = {
-    "m/s": {
-        **dict.fromkeys(("m/s", "m/sec", "m s-1", "ms-1", "mps"), 1.0),
-        **dict.fromkeys(("ft/s", "ft/sec", "fps", "f/s"), FT),
-    },
-    "mm": {"mm": 1.0, "cm": 10.0, "in": 25.4, "inch": 25.4, "inches": 25.4},
-    "g": {"g": 1.0, "kg": 1000.0, "grain": 0.06479891, "grains": 0.06479891, "gr": 0.06479891},
-    "°": {"°": 1.0, "deg": 1.0, "degrees": 1.0},
-}
-# Pairs of words for an armour that stopped a shot and for one that was perforated.
-OUTCOME_WORDS = (
-    ("stopped", "perforated"),
-    ("partial", "complete"),
-    ("p", "c"),
-    ("pp", "cp"),
-    ("no", "yes"),
-    ("stop", "perforate"),
-    ("stop", "perf"),
-    ("defeated", "perforated"),
-    ("not perforated", "perforated"),
-    ("no perforation", "perforation"),
-    ("partial penetration", "complete penetration"),
-    ("partial perforation", "complete perforation"),
-    ("incomplete penetration", "complete penetration"),
-    ("no penetration", "complete penetration"),
-    ("kein Durchschlag", "Durchschlag"),
-    ("nicht durchschlagen", "durchschlagen"),
-    ("kein Durchschuss", "Durchschuss"),
-    ("nicht perforiert", "perforiert"),
-    ("gestoppt", "durchschlagen"),
-    ("gehalten", "durchschlagen"),
-    ("aufgehalten", "durchschlagen"),
-    ("Steckschuss", "Durchschuss"),
-    ("Teildurchschlag", "Volldurchschlag"),
-    ("keine Durchdringung", "Durchdringung"),
-    ("not penetrated", "penetrated"),
-    ("KD", "D"),
-    ("KDS", "DS"),
-    ("nein", "ja"),
-    ("non perforé", "perforé"),
-    ("pas de perforation", "perforation"),
-    ("perforation partielle", "perforation complète"),
-    ("pénétration partielle", "pénétration complète"),
-    ("PP", "PC"),
-    ("non traversé", "traversé"),
-    ("partielle", "complète"),
-    ("partiel", "complet"),
-    ("arrêté", "perforé"),
-    ("arrêt", "perforation"),
-    ("non", "oui"),
-)
-# Pairs of words for no and yes, which are results only in a column whose header says of what.
-YES_OR_NO = (
-    *(("no", "yes"), ("n", "y"), ("false", "true"), ("0", "1")),
-    *(("nein", "ja"), ("n", "j"), ("falsch", "wahr"), ("non", "oui"), ("n", "o"), ("faux", "vrai")),
-)
-# Pairs of words for a shot that does not count and for one that does, besides no and yes.
-COUNTED = (
-    *(("rejected", "accepted"), ("unfair", "fair"), ("invalid", "valid"), ("not valid", "valid")),
-    *(("excluded", "included"), ("not ok", "ok"), ("ungültig", "gültig"), ("nicht gewertet", "gewertet")),
-    *(("n.i.O.", "i.O."), ("non valable", "valable"), ("non valide", "valide"), ("invalide", "valide")),
-    *(("écarté", "retenu"), ("rejeté", "accepté")),
-)
-# Words of remarks on a shot that does not count.
-REJECTIONS = (
-    *(*USUAL_NAMES["excluded"], *(no for no, _ in COUNTED), "not counted", "does not count", "discard", "verworfen"),
-    *("nicht gezählt", "zählt nicht", "Fehlschuss", "annulé", "non compté", "ne compte pas"),
-)
-# All pairs of words for no and yes, in some sense.
-PAIRS = (*YES_OR_NO, *OUTCOME_WORDS, *COUNTED)
-# Names of rows that are not shots or tests but sum these up.
-SUMMARIES = (
-    *("mean", "average", "standard deviation", "st. dev.", "std", "V50", "Mittelwert", "Mittel", "Standardabweichung"),
-    *("Stabw.", "moyenne", "écart-type", "std dev", "min", "max", "minimum", "maximum", "median", "range", "count"),
-    *("sum", "total", "Durchschnitt", "Anzahl", "Summe", "Median", "Spannweite", "médiane", "nombre", "somme"),
-)
 # Bounds of the numbers of a column, by key or else by unit; they tell whether 1,234 means 1234 or 1.234.
 BOUNDS = {
     **dict.fromkeys(("velocity_m_s", "impact.velocity_m_s", "ballistic_limit_m_s"), (10.0, 1e4)),
@@ -226,17 +96,19 @@ def letters(text: str) -> str:
     return folded(text).replace("_", "")
 
 
-def _by_word(pairs: Sequence[tuple[str, str]]) -> dict[str, bool]:
+def _by_word(pairs: Sequence[Sequence[str]]) -> dict[str, bool]:
     """Return whether each word, by its letters, is the second one of its pair."""
     return {letters(word): place == 1 for pair in pairs for place, word in enumerate(pair)}
 
 
+# Words of remarks on a shot that does not count.
+REJECTIONS = (*USUAL_NAMES["excluded"], *(no for no, _ in COUNTED), *_DATA["rejections"])
 _REJECTED = re.compile(f"(?<![^_])(?:{'|'.join(map(folded, REJECTIONS))})(?:ed|er?|e?s)?(?![^_])")
 _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
 PERFORATED, _COUNTED = _by_word(OUTCOME_WORDS), _by_word(COUNTED)
 # Exactly, as "-1" is not 1.
 _YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
-_SUMMARIES = {*map(letters, SUMMARIES)}
+_SUMMARIES = {*map(letters, _DATA["summaries"])}
 
 
 def perforates(word: str) -> bool | None:

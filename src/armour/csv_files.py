@@ -49,6 +49,8 @@ CROSS = "x"
 # Relative difference of two numbers that are rounded in different units.
 SAME = 1e-3
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
+# Beginning of the key of a problem in a line.
+_LINE = re.compile(r"(?:line|row) (\d+)")
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
 # Numbers with groups of three digits, by the mark of their decimals.
@@ -93,6 +95,42 @@ class Source:
         """Record what is wrong at a line, or in a cell of a line."""
         self.problems.append(Problem(self.file, key, message))
 
+    def numbers(
+        self,
+        name: str,
+        column: Column,
+        places: Sequence[str],
+        cells: Sequence[str],
+        mark: str | None = None,
+        *,
+        needed: bool = False,
+    ) -> tuple[list[float | None], str | None]:
+        """Return the numbers of a column, in the unit of its key, and their decimal mark, unless `mark` gives it.
+
+        A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
+        `needed`.
+        """
+        mark = mark or decimal_mark(cells, column, self.form)
+        values = [number_as(cell, mark or ".") for cell in cells]
+        if mark is None or None in values:
+            for index, cell in enumerate(cells):
+                message = two_meanings(cell) if mark is None else ""
+                if message or (values[index] is None and (cell or needed)):
+                    self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
+                    values[index] = None
+        commas = mark == "," and any("," in cell for cell in cells)
+        self.form += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
+        return [None if value is None else value * column.factor for value in values], mark
+
+    def refuse(self) -> None:
+        """Raise an error with all that is wrong, in the order of the lines, after what is wrong in the whole file."""
+        refuse(sorted(self.problems, key=lambda problem: int((_LINE.match(problem.key) or [0, 0])[1])))
+
+    def told(self, rows: str, notes: Sequence[str] = ()) -> tuple[str, bool]:
+        """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
+        words = [*dict.fromkeys(self.form)]
+        return ", ".join([*words, rows, *notes]), words in ([], ["commas"]) and not notes
+
 
 @dataclass(frozen=True)
 class TableRead:
@@ -131,13 +169,27 @@ class CsvRow(NamedTuple):
 
 
 class CsvTable(NamedTuple):
-    """The rows of a table, the mistakes in them, to which the caller adds its own, and how they were read."""
+    """The rows of a table, and how they were read; the source has the mistakes, to which the caller adds its own."""
 
     file: str
     rows: list[CsvRow]
-    problems: list[Problem]
     read: TableRead
     groups: dict[str, list[str]]  # cells of the columns that tell targets apart, by name
+
+
+class TableKind(NamedTuple):
+    """What the rows of a table are, and its columns, by key."""
+
+    noun: str  # for a row
+    numbers: tuple[str, ...]
+    texts: tuple[str, ...]  # the first names the row
+    needed: tuple[str, ...] = ()
+    usual: str = ""  # columns that a message lists, by default all
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of all its columns."""
+        return (*self.numbers, *self.texts)
 
 
 def open_table(
@@ -327,92 +379,85 @@ def _of_rows(table: Any) -> Source:
     return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
 
 
-def read_rows(
-    source: Source,
-    *,
-    numbers: Sequence[str],
-    texts: Sequence[str],
-    needed: Sequence[str],
-    noun: str,
-    usual: str = "",
-    where: Mapping[str, str] | None = None,
-    least: int = 1,
-) -> CsvTable:
-    """Read the rows of a table with columns of ``numbers`` and of ``texts``, given by key, at least those ``needed``.
+def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None = None, least: int = 1) -> CsvTable:
+    """Read the rows of a table of a kind; at least ``least`` must be left.
 
-    The first column of texts names the row, and ``noun`` says what a row is.  Other columns are ignored, unless one
-    looks like a misspelt key; the message then lists the ``usual`` columns.  Rows are left out if they do not count, or
-    if their cells differ from those that ``where`` requires, by column.  At least ``least`` rows must be left.
+    Other columns are ignored, unless one looks like a misspelt key.  Rows are left out if they do not count, or if
+    their cells differ from those that ``where`` requires, by column.
     """
-    file, header, keys = source.file, source.header, (*numbers, *texts)
+    file, where = source.file, where or {}
+    columns, lines, uncounted = _checked(source, kind, least)
+    lines = _chosen(source, columns, lines, where, uncounted)
+    left_out = tuple(place for place, _ in lines if place in uncounted)
+    lines = [line for line in lines if line[0] not in uncounted]
+    places = [place for place, _ in lines]
+    rows = [CsvRow(place, {}, {}) for place in places]
+    groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
+    for index, (name, column) in enumerate(zip(source.header, columns, strict=True)):
+        cells = [cells[index] for _, cells in lines]
+        if source.sheets and column.key in kind.needed and cells and not any(cells):
+            raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
+        if not column.known:
+            ignored += [name] * bool(name)
+            if rejected := [place for place, cell in zip(places, cells, strict=True) if is_rejection(cell)]:
+                which = f"{listed(rejected)}, which {'counts' if len(rejected) == 1 else 'count'}"
+                warnings.append(f"{name} seems to reject {which}; a column counts or rejected leaves rows out")
+        elif column.key in kind.numbers:
+            numbers, _ = source.numbers(name, column, places, cells)
+            for row, cell, number in zip(rows, cells, numbers, strict=True):
+                row.texts.update({column.key: cell} if cell else {})
+                row.numbers.update({} if number is None else {column.key: number})
+        elif column.key in kind.texts:
+            _fill_texts(source, name, column, cells, rows)
+        elif column.key in GROUPS:
+            groups[name] = cells
+    equal = _equal(source, kind.texts[0], rows, lines)
+    if len(rows) < least:
+        raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
+    notes = [f"{name} {value}" for name, value in where.items()]
+    notes += [f"without {', '.join(ignored)}"] * bool(ignored)
+    names = Counter(row.texts.get(kind.texts[0]) for row in rows)
+    if several := [name for name, count in names.items() if name and count > 1]:
+        notes.append(f"several {kind.noun}s named {listed(several)}")
+    if left_out:
+        notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
+    if equal:
+        notes.append(f"{listed(equal)} equal to an earlier row, counted")
+    told = source.told(counted(len(rows), kind.noun), notes)
+    read = TableRead(*told, left_out, (*ignored,), source.digest.hexdigest(), (*warnings,))
+    return CsvTable(file, rows, read, groups)
+
+
+def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column], list[Line], set[str]]:
+    """Return the columns of a table, its lines of the width of the header, and the places of those that do not count.
+
+    Lines of another width are recorded as wrong.
+    """
+    file, header = source.file, source.header
     if not source.place:
-        needed_columns = f" with {' and '.join(needed)}" if needed else ""
+        needed_columns = f" with {' and '.join(kind.needed)}" if kind.needed else ""
         raise mistake(file, "", f"must have a header{needed_columns}, found an empty file")
     lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
     if len(lines) > MAX_TABLE_ROWS:
         raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
-    columns = columns_of(header, keys)
+    columns = columns_of(header, kind.keys)
     whole = [line for line in lines if len(line[1]) == len(header)]
-    uncounted = _uncounted(source, columns, whole, texts[0])
+    uncounted = _uncounted(source, columns, whole, kind.texts[0])
     columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
     if len(source.sheets) > 1 and not any(column.known for column in columns):
-        raise mistake(file, "", f"must have {noun}s in the {source.form[0]}; --sheet chooses: {listed(source.sheets)}")
-    wrong_columns = _wrong_columns(source, columns, keys, needed, usual or ", ".join(keys))
-    refuse(Problem(file, key, message) for key, message in wrong_columns)
+        names = listed(source.sheets)
+        raise mistake(file, "", f"must have {kind.noun}s in the {source.form[0]}; --sheet chooses: {names}")
+    refuse(Problem(file, key, message) for key, message in _wrong_columns(source, columns, kind))
     for place, cells in lines:
         if len(cells) != len(header):
             source.wrong(place, wrong_width(cells, header))
     if len(lines) < least:
         source.problems = [Problem(file, "", "must have at least one row below its header")]
-    lines = _chosen(source, columns, whole, where or {}, uncounted)
-    left_out = tuple(place for place, _ in lines if place in uncounted)
-    lines = [line for line in lines if line[0] not in uncounted]
-    rows = [CsvRow(place, {}, {}) for place, _ in lines]
-    words, groups = [*source.form], dict[str, list[str]]()
-    for index, (name, column) in enumerate(zip(header, columns, strict=True)):
-        cells = [cells[index] for _, cells in lines]
-        if source.sheets and column.key in needed and cells and not any(cells):
-            raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
-        if column.known and column.key in numbers:
-            words += _fill_numbers(source, name, column, cells, rows)
-        elif column.known and column.key in keys:
-            words += _fill_texts(source, name, column, cells, rows)
-        elif column.known and column.key in GROUPS:
-            groups[name] = cells
-    equal = _equal(source, texts[0], rows, lines)
-    if len(rows) < least:
-        raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
-    ignored = tuple(name for name, column in zip(header, columns, strict=True) if name and not column.known)
-    notes = [f"{name} {value}" for name, value in (where or {}).items()]
-    if ignored:
-        notes.append(f"without {', '.join(ignored)}")
-    names = Counter(row.texts.get(texts[0]) for row in rows)
-    if several := [name for name, count in names.items() if name and count > 1]:
-        notes.append(f"several {noun}s named {listed(several)}")
-    if left_out:
-        notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
-    if equal:
-        notes.append(f"{listed(equal)} equal to an earlier row, counted")
-    words = [*dict.fromkeys(words)]
-    told = ", ".join([*words, counted(len(rows), noun), *notes])
-    plain = words in ([], ["commas"]) and not notes
-    remarks = {
-        name: [place for place, cells in lines if is_rejection(cells[index])]
-        for index, (name, column) in enumerate(zip(header, columns, strict=True))
-        if not column.known
-    }
-    warnings = tuple(
-        f"{name} seems to reject {listed(places)}, which {'counts' if len(places) == 1 else 'count'}; a column counts "
-        "or rejected leaves rows out"
-        for name, places in remarks.items()
-        if places
-    )
-    read = TableRead(told, plain, left_out, ignored, source.digest.hexdigest(), warnings)
-    return CsvTable(file, rows, source.problems, read, groups)
+    return columns, whole, uncounted
 
 
-def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> list[str]:
-    """Fill the rows with the cells of a column of texts; return words on how they were read."""
+def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> None:
+    """Fill the rows with the cells of a column of texts."""
     words = no_crosses(cells, column)
     for row, cell in zip(rows, words, strict=True):
         is_word = is_yes(cell) is not None
@@ -423,24 +468,7 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
             row.texts[column.key] = "perforated" if column.says(cell) else "stopped"
         elif cell:
             row.texts[column.key] = csv_value(cell)
-    return ["x for yes"] if words is not cells else []
-
-
-def _fill_numbers(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> list[str]:
-    """Fill the rows with the cells of a column of numbers; return words on how they were read."""
-    mark = decimal_mark(cells, column, source.form)
-    for row, cell in zip(rows, cells, strict=True):
-        value = number_as(cell, mark or ".")
-        if cell:
-            row.texts[column.key] = cell
-        if mark is None and (message := two_meanings(cell)):
-            source.wrong(f"{row.place}: {name}", message)
-        elif value is not None:
-            row.numbers[column.key] = value * column.factor
-        elif cell:
-            source.wrong(f"{row.place}: {name}", f'must be a number, found "{cell}"')
-    commas = ["decimal commas"] if mark == "," and any("," in cell for cell in cells) else []
-    return [*commas, *([column.in_unit] if column.unit else [])]
+    source.form += ["x for yes"] * (words is not cells)
 
 
 def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
@@ -477,10 +505,9 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
     return kept
 
 
-def _wrong_columns(
-    source: Source, columns: Sequence[Column], keys: Sequence[str], needed: Sequence[str], usual: str
-) -> Iterator[tuple[str, str]]:
+def _wrong_columns(source: Source, columns: Sequence[Column], kind: TableKind) -> Iterator[tuple[str, str]]:
     """Yield the mistakes in the columns of a table: the name of the column, and what is wrong."""
+    keys, usual = kind.keys, kind.usual or ", ".join(kind.keys)
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
@@ -503,8 +530,8 @@ def _wrong_columns(
             is_key = "." in name and name.partition(".")[0] in sections
             if like or is_key or not known_keys:
                 yield name, f"unknown column{like or CHOOSE + usual}"
-    found = listed([name for name in source.header if name])
-    yield from ((key, f"is missing and must be a column, found {found}") for key in needed if key not in known_keys)
+    missing_column = f"is missing and must be a column, found {listed([name for name in source.header if name])}"
+    yield from ((key, missing_column) for key in kind.needed if key not in known_keys)
 
 
 def _chosen(
@@ -593,6 +620,11 @@ def two_meanings(cell: str) -> str:
     return f'must be a number with one meaning, found "{cell}": {" or ".join(meanings)}' if len(meanings) > 1 else ""
 
 
+def is_number(cell: str) -> bool:
+    """Return whether a cell is a number, with whatever decimal mark."""
+    return any(number_as(cell, mark) is not None for mark in ".,")
+
+
 def number_as(cell: str, mark: str) -> float | None:
     """Return the number in a cell, given its decimal mark; None if the cell is not a number."""
     value = number(cell if mark == "." else "" if "." in cell else cell.replace(",", "."))
@@ -646,11 +678,6 @@ def _cell(value: object) -> str:
     """Return a value as the text of a cell, which is empty for one that is missing."""
     value = plain(value)
     return "" if value is None or (not hasattr(value, "__len__") and value != value) else str(value).strip()
-
-
-def in_line_order(problems: Iterable[Problem]) -> list[Problem]:
-    """Return the problems of a file in the order of their lines, after those of the whole file."""
-    return sorted(problems, key=lambda problem: int((re.match(r"(?:line|row) (\d+)", problem.key) or [0, 0])[1]))
 
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:

@@ -59,7 +59,6 @@ from .validation.figures import paper_figures as paper_figures
 from .validation.figures import parity as parity
 from .validation.figures import read_figures as read_figures
 from .validation.new_suite import new_suite as new_suite
-from .validation.suite import has_own_rivals as has_own_rivals
 from .validation.suite import suite_files as suite_files
 from .validation.tested import tested_with as tested_with
 from .validation.validate import FAILED as FAILED

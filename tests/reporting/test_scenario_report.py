@@ -15,16 +15,13 @@ from armour.design.optimise import DesignResult, optimise
 from armour.design.requirements import Requirement, Verdict
 from armour.errors import Note
 from armour.evidence.model_error import NO_TEST
-from armour.reporting.by_result import tables_of
 from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import Contents, contents_of, scenario_report
-from armour.reporting.table import Table
 from armour.reporting.views.design import AREAL_DENSITY, COST
 from armour.reporting.words import SAMPLED_ALONE, chance, from_tests
 from armour.scenario.scenario import load_scenario
 from armour.statistics.uncertainty import uncertainty
-from armour.validation.comparison import compare
 from tests.design.results import OTHER, THREAT, best_of, design_result
 from tests.helpers.cases import RANGE, SCENARIOS, scenario
 from tests.reporting.tables import headings
@@ -426,8 +423,7 @@ def test_a_weight_stands_beside_those_of_tested_armours():
     assert weights[0] == own.areal_density_kg_m2()
     added = own.replaced({"design.added_areal_density_kg_m2": 5.0})
     [section] = [part for part in report(contents_of(added)).sections if part.heading == "Weight"]
-    for tables in (section.tables, tables_of(compare(added))):
-        [table] = [each for each in tables if isinstance(each, Table) and "nearest in limit" in each.columns[0].label]
-        assert str(table.rows[0][0]).startswith("this armour without layers that have no ballistic effect")
-        assert table.rows[0][1] == pytest.approx(weights[0])
+    [name, weight, _], *_ = section.tables[0].rows
+    assert str(name).startswith("this armour without layers that have no ballistic effect")
+    assert weight == pytest.approx(weights[0])
     assert limits[0] == contents_of(own).threat.ballistic_limit_m_s

@@ -7,10 +7,9 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.core.equations import fragmented_strength
 from armour.engine.changes import equations
-from armour.errors import InputError, NoAnswerError
-from armour.reporting.views.validation import rule_note
+from armour.errors import InputError
+from armour.reporting.views.validation import comparison_table, rule_note
 from armour.validation.comparison import Comparison, compare
-from armour.validation.formulas import florence_ballistic_limit, residual_velocity
 from tests.helpers.cases import scenario
 
 pytestmark = pytest.mark.slow
@@ -28,34 +27,21 @@ def test_the_wilkins_case():
     penetrator, whole = result.florence
     assert (penetrator.mass_g, penetrator.diameter_mm) == (5.46, 6.5)
     assert (whole.mass_g, whole.diameter_mm) == (8.32, 7.62)
-    assert penetrator.ballistic_limit_m_s == florence_ballistic_limit(scenario())
+    assert penetrator.ballistic_limit_m_s == pytest.approx(602.5, abs=0.1)
     assert whole.ballistic_limit_m_s == pytest.approx(436.72, abs=0.01)
 
 
-def test_the_best_split_keeps_the_areal_density_and_is_better():
-    for florence in wilkins().florence:
-        mass = 3.43 * florence.best_ceramic_thickness_mm + 2.75 * florence.best_backing_thickness_mm
-        assert mass == pytest.approx(scenario().areal_density_kg_m2())
-        assert florence.best_ballistic_limit_m_s > florence.ballistic_limit_m_s
-        ratio = florence.best_ceramic_thickness_mm / florence.best_backing_thickness_mm
-        assert florence.best_thickness_ratio == pytest.approx(ratio)
-        there = scenario(ceramic_mm=florence.best_ceramic_thickness_mm, backing_mm=florence.best_backing_thickness_mm)
-        assert florence.model_ballistic_limit_m_s == ballistic_limit(there).ballistic_limit_m_s
-
-
-def test_the_fits_have_the_residuals_that_they_report():
-    result = wilkins()
-    limit = result.limit.ballistic_limit_m_s
-    above = [impact for impact in result.curve if impact.impact_velocity_m_s > limit]
-    assert result.fitted_m_s == (above[0].impact_velocity_m_s, above[-1].impact_velocity_m_s)
-    assert [fit.name for fit in result.fits] == ["Lambert-Jonas", "Recht-Ipson"]
-    for fit in result.fits:
-        left = [
-            impact.residual_velocity_m_s - residual_velocity(impact.impact_velocity_m_s, limit, fit.ratio, fit.exponent)
-            for impact in above
-        ]
-        assert fit.rms_m_s == pytest.approx((sum(d * d for d in left) / len(left)) ** 0.5)
-    assert result.fits[0].rms_m_s <= result.fits[1].rms_m_s
+def test_each_formula_has_its_error_and_tested_armours_have_none():
+    rows = comparison_table(wilkins()).rows
+    assert [(row[0], *(None if cell is None else round(float(cell), 1) for cell in row[1:])) for row in rows[:5]] == [
+        ("this model", 723.8, 5.1, None, 11.3),
+        ("Florence, penetrator (5.46 g, 6.5 mm)", 602.5, 13.6, None, 27.4),
+        ("Florence, whole projectile (8.32 g, 7.62 mm)", 436.7, 28.9, None, 46.0),
+        ("areal density rule, p = 1", 690.5, 4.2, 4.5, 8.0),
+        ("areal density rule, p = 0.9376", 694.5, 4.0, 4.6, 8.4),
+    ]
+    assert [str(row[0]).partition(":")[0] for row in rows[5:]] == ["measured"] * 3
+    assert {row[2:] for row in rows[5:]} == {(None, None, None)}
 
 
 def test_plain_data():
@@ -77,7 +63,6 @@ def test_the_rule_of_areal_density():
     assert (one.p, one.p_fitted, fitted.p_fitted) == (1.0, False, True)
     assert one.ballistic_limit_m_s == pytest.approx(17.5953 * 39.243, abs=0.01)
     assert fitted.ballistic_limit_m_s == pytest.approx(fitted.k * 39.243**fitted.p)
-    assert {error.predictor for error in result.errors} >= {"the paper's program", "this model"}
     assert result.tests.startswith("13 tests of 7.62 mm AP on AD85 and 6061-T6, 35.8 to 52.5 kg/m²")
 
 
@@ -107,23 +92,9 @@ def test_all_missing_quantities_are_named():
     ]
 
 
-def test_a_range_that_ends_at_the_limit_has_nothing_to_fit():
-    limit = wilkins().limit.ballistic_limit_m_s
-    with pytest.raises(NoAnswerError, match="no fit: the range of velocities ends at the ballistic limit"):
-        compare(scenario(ballistic_limit={"velocity_max_m_s": limit}))
-
-
-def test_the_best_split_may_have_its_limit_outside_the_range():
-    own = wilkins()
-    best, *_ = [found.model_ballistic_limit_m_s for found in own.florence]
-    assert best is not None
-    assert best < own.limit.ballistic_limit_m_s - 10.0
-    between = compare(scenario(ballistic_limit={"velocity_min_m_s": best + 5.0}))
-    assert between.florence[0].model_ballistic_limit_m_s is None
-
-
-def test_no_errors_of_other_equations_are_shown():
-    case = scenario()
+def test_errors_are_those_of_changed_equations():
     with equations(fragmented_strength=lambda *args: 0.8 * fragmented_strength(*args)):
-        assert compare(case).errors == ()
-    assert compare(case).errors
+        weaker, *formulas = compare(scenario()).errors
+    model, *others = wilkins().errors
+    assert formulas == others
+    assert weaker.mean_percent > model.mean_percent

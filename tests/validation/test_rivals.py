@@ -1,20 +1,17 @@
-"""Errors of the model and of its rivals on the same tests, in sample and left out, against plain computations."""
-
-from pathlib import Path
+"""Errors of the model and of other predictions on the same tests, in sample and left out, by plain computations."""
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 from scipy.stats import linregress, t
 
-from armour.validation.comparison import COMPARED_TESTS
+from armour.validation.comparison import Error
 from armour.validation.formulas import fit_areal_density_rule
-from armour.validation.rivals import Error
-from armour.validation.suite import load_suite
-from armour.validation.validate import SuiteResult, paper_suite, validate
+from armour.validation.tested import COMPARED_TESTS
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.fits import wilkins_fit
-from tests.helpers.suites import TABLE, result
+from tests.helpers.suites import of_paper
+from tools import rivals
 
 pytestmark = pytest.mark.slow
 
@@ -24,13 +21,8 @@ NAMES = ["this model, flow stress refitted", "areal density rule, p = 1", "areal
 
 
 @pytest.fixture(scope="module")
-def wilkins() -> SuiteResult:
-    return validate(load_suite(paper_suite()).only(COMPARED_TESTS))
-
-
-@pytest.fixture(scope="module")
-def errors(wilkins: SuiteResult) -> dict[str, Error]:
-    return {error.predictor: error for error in wilkins.errors}
+def errors() -> dict[str, Error]:
+    return {error.predictor: error for error in rivals.errors(of_paper())}
 
 
 def rounded(error: Error) -> tuple[float, float, float]:
@@ -83,9 +75,10 @@ def test_the_refitted_flow_stress_is_that_of_a_calibration(errors: dict[str, Err
     assert errors[NAMES[0]].left_out_percent == pytest.approx(found.left_out_error_percent)
 
 
-def test_the_errors_go_with_the_back_plate(wilkins: SuiteResult):
+def test_the_errors_go_with_the_back_plate():
     """The elasticities of docs/howto/compare.md, by regression of logarithms."""
-    computed = np.array([check.computed for check in wilkins.checks], dtype=float)
+    checks = [check for check in of_paper().checks if check.case.group == COMPARED_TESTS]
+    computed = np.array([check.computed for check in checks], dtype=float)
     logs = np.column_stack([np.ones(13), np.log(CERAMIC), np.log(PLATE)])
 
     def elasticities(limits: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -100,24 +93,3 @@ def test_the_errors_go_with_the_back_plate(wilkins: SuiteResult):
     off = 100.0 * (computed / LIMIT - 1.0)
     assert off[np.argsort(PLATE)[:3]].round(1).tolist() == [10.0, 8.9, 7.6]
     assert linregress(np.log(PLATE), np.log(computed / LIMIT)).pvalue == pytest.approx(0.010, abs=5e-4)
-
-
-def row(ceramic_mm: float, limit: float) -> str:
-    return f"    [{ceramic_mm}, {limit}, {limit + 10.0}],\n"
-
-
-def test_too_few_limits_are_not_fitted(folder: Path):
-    text = TABLE.replace("]\nrivals", row(7.0, 770.0) + "]\nrivals")
-    assert {error.predictor for error in result(folder, TABLE).errors}.isdisjoint(NAMES)
-    found = [error.predictor for error in result(folder, text).errors]
-    assert found[-2:] == NAMES[:2]  # 6.35 mm twice: two areal densities leave one
-    text = text.replace("]\nrivals", 2 * row(7.5, 800.0) + "]\nrivals")  # two tests may agree
-    assert [error.predictor for error in result(folder, text).errors][-3:] == NAMES
-
-
-def test_bare_plates_have_no_flow_stress_to_refit(folder: Path):
-    text = TABLE.replace("wilkins.toml", f"{SCENARIOS}/bare_plate.toml").replace(
-        "ceramic_thickness", "backing_thickness"
-    )
-    text = text.replace("]\nrivals", row(7.0, 770.0) + row(7.5, 800.0) + "]\nrivals")
-    assert [error.predictor for error in result(folder, text).errors] == ["they", "this model", *NAMES[1:]]

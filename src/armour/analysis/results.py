@@ -43,8 +43,6 @@ class Result:
         those of this program, in words; ``every_row``, whether to show all rows.  Each may be missing.
     """
 
-    # Returns the tables of a result as HTML.  Tables belong to a higher layer, so `armour/__init__.py` sets this.
-    _in_html: ClassVar[Callable[["Result"], str] | None] = None
     question: ClassVar[Mapping[str, Any]] = {}
 
     def of(self, computed: str | None = None, **question: Any) -> Self:
@@ -75,8 +73,10 @@ class Result:
         raise NotImplementedError
 
     def _repr_html_(self) -> str | None:
-        """Return the tables that the command prints, as HTML for a notebook; None if `_in_html` is not set."""
-        return None if Result._in_html is None else Result._in_html(self)
+        """Return the tables that the command prints, as HTML for a notebook."""
+        # By its name, as the tables belong to a layer above the results.
+        html: str | None = import_module("armour.reporting.show").in_html(self)
+        return html
 
 
 @dataclass(frozen=True, repr=False)

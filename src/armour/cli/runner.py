@@ -15,7 +15,6 @@ import armour.lazy as lazy
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
-from armour.leaving import leaving
 from armour.reporting.table import Table
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
@@ -253,11 +252,6 @@ def write(files: Files, warnings: Iterable[str] = ()) -> None:
 def picture(draw: Callable[[], Any], scenario: "armour.Scenario | None") -> Callable[[Path], bytes]:
     """Return a function that makes the content of a picture's file, with a record of what made it."""
     return lambda path: drawing().saved(draw(), path.suffix.lower(), json.dumps(origin_of(scenario)))
-
-
-def say_leaving(what: str) -> None:
-    """Say that what a command line uses leaves with version 3, and what takes its place."""
-    say(f"note: {leaving(what)}")
 
 
 def propose(command: str) -> None:

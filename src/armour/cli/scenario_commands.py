@@ -422,8 +422,6 @@ def report(
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
             content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
-        if lazy.has_own_rivals(suite):
-            runner.say_leaving("table.rivals")
     else:
         with progress("armours") as count:
             contents = lazy.contents_of(scenario, count, as_is=as_is)

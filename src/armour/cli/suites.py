@@ -60,8 +60,6 @@ def validate(
     result, seconds = _computed(chosen, quiet=as_json)
     judged = lazy.kept_by_update(result) if update else result
     tables = lazy.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
-    if lazy.has_own_rivals(chosen):
-        runner.say_leaving("table.rivals")
     show_answer(result.to_dict(), tables, as_json=as_json)
     write(
         {

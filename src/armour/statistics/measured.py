@@ -14,15 +14,15 @@ from armour.columns import column_of, perforates, unit_of
 from armour.csv_files import (
     CsvRow,
     Source,
+    TableKind,
     TableRead,
     check_one_target,
-    in_line_order,
     not_filled,
     open_table,
     read_rows,
     wrong_result,
 )
-from armour.errors import InputError, Problem, counted, joined, listed, mistake, refuse
+from armour.errors import InputError, counted, joined, listed, mistake
 from armour.files import shell_word
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES, VELOCITY
@@ -193,13 +193,12 @@ def read_tests(
     """
     notes = tuple(notes)
     source, bounds = _without_bounds(open_tests(path, notes, sheet))
-    texts = (*TEXTS, *notes)
-    table = read_rows(source, numbers=NUMBERS, texts=texts, needed=(), noun="test", usual=USUAL, where=where)
-    file, rows, problems = table.file, table.rows, table.problems
+    table = read_rows(source, TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL), where)
+    file, rows = table.file, table.rows
     for row in (row for row in rows if row.place in bounds):
         if {VELOCITY, OUTCOME} & row.texts.keys():
             message = "must be a number beside a velocity or an outcome, found a bound"
-            problems.append(Problem(file, f"{row.place}: {LIMIT}", message))
+            source.wrong(f"{row.place}: {LIMIT}", message)
         row.texts[VELOCITY], row.texts[OUTCOME] = row.texts.pop(LIMIT), bounds[row.place]
         if LIMIT in row.numbers:
             row.numbers[VELOCITY] = row.numbers.pop(LIMIT)
@@ -210,17 +209,16 @@ def read_tests(
     for name in dict.fromkeys(name for row in rows for name in row.texts if name in inputs):
         has_value = bare if "ceramic" in name else set()
         blank = [row.place for row in rows if name not in row.texts]
-        problems += not_filled(file, name, [place for place in blank if place not in has_value])
+        source.problems += not_filled(file, name, [place for place in blank if place not in has_value])
     for row in rows:
         for key, message in _mistakes(row, repeated_names):
-            problems.append(Problem(file, f"{row.place}: {key}" if key else row.place, message))
+            source.wrong(f"{row.place}: {key}" if key else row.place, message)
     measurements = [measurement for test, row in enumerate(rows) for measurement in _measurements(test, row)]
     uncertainties_given = {MEASURED[m.quantity] in rows[m.test].texts for m in measurements}
     if len(uncertainties_given) == 2:
-        message = "uncertainties must be given for every measurement and outcome, or for none"
-        problems.append(Problem(file, "", message))
-    groups, group_problems = _groups(rows, scenario, file)
-    refuse(in_line_order([*problems, *group_problems]))
+        source.wrong("", "uncertainties must be given for every measurement and outcome, or for none")
+    groups = _groups(rows, scenario, source)
+    source.refuse()
     if all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows):
         check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
     for name, lots in table.groups.items():
@@ -333,13 +331,12 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
     return measurements
 
 
-def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list[MaterialGroup], list[Problem]]:
-    """Group tests by projectile and materials; return also problems: names and values that the scenario refuses."""
+def _groups(rows: Sequence[CsvRow], scenario: Scenario, source: Source) -> list[MaterialGroup]:
+    """Group tests by projectile and materials; names and values that the scenario refuses are recorded as wrong."""
     by_names: dict[tuple[tuple[str, str], ...], list[int]] = {}
     for i, row in enumerate(rows):
         by_names.setdefault(tuple(_names(row).items()), []).append(i)
     groups: list[MaterialGroup] = []
-    problems: list[Problem] = []
     for names, where in by_names.items():
         try:
             changed = scenario.replaced(dict(names))
@@ -352,18 +349,14 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, file: str) -> tuple[list
             changed.check_rows(columns)
             groups.append(MaterialGroup(changed, np.array(where), columns))
         except InputError:
-            problems += [problem for i in where for problem in _not_allowed(rows[i], scenario, file)]
-    return groups, problems
-
-
-def _not_allowed(row: CsvRow, scenario: Scenario, file: str) -> list[Problem]:
-    """Return a problem for each name or value in a row that the scenario refuses."""
-    try:
-        values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
-        scenario.replaced(_names(row)).with_inputs(values)
-    except InputError as error:
-        return [Problem(file, row.place, f"{problem.key}: {problem.message}") for problem in error.problems]
-    return []
+            for row in (rows[i] for i in where):
+                try:
+                    values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
+                    scenario.replaced(_names(row)).with_inputs(values)
+                except InputError as error:
+                    for problem in error.problems:
+                        source.wrong(row.place, f"{problem.key}: {problem.message}")
+    return groups
 
 
 def _names(row: CsvRow) -> dict[str, str]:

@@ -16,7 +16,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Problem, counted, mistake, refuse
+from armour.errors import counted, mistake
 from armour.foreign import items
 from armour.scenario.checked import Table, checked, is_number, several
 from armour.scenario.keys import describe
@@ -45,7 +45,8 @@ MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Columns that a table of shots needs, and all that it can have.
 KEYS = ("velocity_m_s", "result")
-SHOT_COLUMNS = ("shot", "velocity_m_s", "result", *YES_MEANS, *GROUPS)
+SHOTS = csv_files.TableKind("shot", ("velocity_m_s",), ("shot", "result"), KEYS)
+SHOT_COLUMNS = (*SHOTS.keys, *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
 RISK_ROUNDING = 1e-12
@@ -372,25 +373,24 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
         )
         raise mistake(source.file, "", message)
     least = 0 if one_kind else 1
-    columns: Any = {"numbers": ("velocity_m_s",), "texts": ("shot", "result"), "needed": KEYS}
-    table = csv_files.read_rows(source, **columns, noun="shot", where=where, least=least)
-    file, rows, problems = table.file, table.rows, table.problems
+    table = csv_files.read_rows(source, SHOTS, where, least)
+    rows = table.rows
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
     results = [perforates(text) for text in words]
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
         if not written:
-            problems.append(Problem(file, f"{row.place}: velocity_m_s", "is missing and must be given"))
+            source.wrong(f"{row.place}: velocity_m_s", "is missing and must be given")
         elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
-            problems.append(Problem(file, f"{row.place}: velocity_m_s", f"{message}; is it in m/s?"))
+            source.wrong(f"{row.place}: velocity_m_s", f"{message}; is it in m/s?")
         if result is None:
-            problems.append(Problem(file, f"{row.place}: result", csv_files.wrong_result(text)))
-    refuse(csv_files.in_line_order(problems))
+            source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
+    source.refuse()
     csv_files.check_one_target(table, results, ", or --each for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
-    shots = Shots((*velocities,), (*map(bool, results),), file, names if any(names) else (), table.read)
+    shots = Shots((*velocities,), (*map(bool, results),), source.file, names if any(names) else (), table.read)
     check_shots(shots, kinds=0 if one_kind else 2)
     return shots
 
@@ -401,10 +401,8 @@ def firings_of(path: Table, where: Mapping[str, str], sheet: str | None, least: 
     They are all values of the first column of which at least `least` are not serial numbers.
     """
     source = csv_files.open_table(path, is_of_shots, sheet)
-    table = csv_files.read_rows(
-        source, numbers=KEYS[:1], texts=("shot", "result"), needed=KEYS, noun="shot", where=where
-    )
-    refuse(csv_files.in_line_order(table.problems))
+    table = csv_files.read_rows(source, SHOTS, where)
+    source.refuse()
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
         if len(csv_files.targets_of(table, name, results)) >= least:

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -108,7 +108,7 @@ class SweepCases:
                 raise mistake(self.file, where, "must be the name of one column, found several")
         self.count = 0
         blocks: list[tuple[Any, ...]] = []
-        marks: list[str] = []
+        marks: dict[str, str | None] = {}
         while block := list(islice(source.lines, BLOCK)):
             self.count += len(block)
             if self.count > MAX_CASES:
@@ -118,23 +118,20 @@ class SweepCases:
                 for place, cells in block
                 if len(cells) != len(self.keys)
             )
-            marks = marks or [*_marks(block, columns, source)]
             lines = np.array([int(place.rpartition(" ")[2]) for place, _ in block])
             blocks.append((lines, *_read(block, columns, marks, source)))
         if not self.count:
             raise mistake(self.file, "", "must have a header of keys and at least one row")
         self._lines, *values = map(np.concatenate, zip(*blocks, strict=True))
-        self._place = "line" if source.form and not source.form[0].startswith("sheet") else "row"
+        self._place = "line" if source.place.startswith("line") else "row"
         self._columns = dict(zip(self.keys, values, strict=True))
         content = sha256()
         for key, column in self._columns.items():
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        units = [column.in_unit for column in columns if column.unit]
-        commas = ["decimal commas"] if "," in marks else []
-        words = [*source.form, *commas, *units, counted(self.count, "row")]
-        self.read = "" if words[:-1] in ([], ["commas"]) else ", ".join(words)
+        told, plain = source.told(counted(self.count, "row"))
+        self.read = "" if plain else told
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         """Return the rows at the indices `places`, (n,), as columns by key, (n,) each."""
@@ -145,36 +142,28 @@ class SweepCases:
         return Problem(self.file, f"{self._place} {self._lines[start + row]}", f"{problem.key}: {problem.message}")
 
 
-def _marks(block: Sequence[csv_files.Line], columns: Sequence[Column], source: csv_files.Source) -> Iterator[str]:
-    """Yield the decimal mark of each column, a point or a comma, judged by a block of lines."""
-    for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
-        mark = "." if column.key in NAMING else csv_files.decimal_mark(cells, column, source.form)
-        if mark is None:
-            wrong = ((place, csv_files.two_meanings(cell)) for (place, _), cell in zip(block, cells, strict=True))
-            place, message = next((place, message) for place, message in wrong if message)
-            raise mistake(source.file, f"{place}: {column.key}", message)
-        yield mark if any("," in cell for cell in cells) else "."
-
-
 def _read(
-    block: Sequence[csv_files.Line], columns: Sequence[Column], marks: Sequence[str], source: csv_files.Source
+    block: Sequence[csv_files.Line], columns: Sequence[Column], marks: dict[str, str | None], source: csv_files.Source
 ) -> list[NDArray[Any]]:
-    """Return each column of a block of n lines as numbers or names, (n,); `marks` are their decimal marks."""
-    arrays = []
-    for column, mark, cells in zip(columns, marks, zip(*(cells for _, cells in block), strict=True), strict=True):
-        kind = "name" if column.key in NAMING else "number"
-        values: list[Any] = [_name(cell) if kind == "name" else csv_files.number_as(cell, mark) for cell in cells]
-        texts = [cell for cell in cells if cell]
-        if column.key not in CASE_KEYS and {*values} == {None} and texts:
-            source.wrong(f"{source.place}: {column.key}", f'must be a key of numbers, found "{texts[0][:40]}"')
-        elif None in values:
-            for (place, _), cell, value in zip(block, cells, values, strict=True):
+    """Return each column of a block of n lines as numbers or names, (n,).
+
+    `marks` has the decimal marks of the columns, by key, which the first block tells.
+    """
+    arrays, places = [], [place for place, _ in block]
+    for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
+        key, values = column.key, list[Any]()
+        if key in NAMING:
+            values = [_name(cell) for cell in cells]
+            for place, cell, value in zip(places, cells, values, strict=True):
                 if value is None:
-                    source.wrong(f"{place}: {column.key}", f'must be a {kind}, found "{cell[:40]}"')
-        elif column.factor != 1.0:
-            values = [value * column.factor for value in values]
+                    source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
+        elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
+            text = next(filter(None, cells))
+            source.wrong(f"{source.place}: {key}", f'must be a key of numbers, found "{text[:40]}"')
+        else:
+            values, marks[key] = source.numbers(key, column, places, cells, marks.get(key), needed=True)
         arrays.append(np.array(values))
-    refuse(csv_files.in_line_order(source.problems))
+    source.refuse()
     return arrays
 
 

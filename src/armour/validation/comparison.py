@@ -1,26 +1,24 @@
-"""Compare the model with simpler formulas for a scenario's armour."""
+"""Compare the model with simpler formulas for a scenario's armour, and with tests."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from functools import cache
 from typing import Any
 
+import numpy as np
+
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_velocity_curve
+from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
-from armour.engine.changes import changed_names
-from armour.errors import NoAnswerError, refuse
+from armour.analysis.variants import Floats
+from armour.errors import refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
+from armour.statistics.measured import LIMIT
 from armour.validation import formulas
-from armour.validation.rivals import Error, areal_densities, measured_limits
-from armour.validation.suite import Case, Suite, load_suite
-from armour.validation.tested import MeasuredArmour, nearest_measured
-from armour.validation.validate import paper_suite, validate
-
-# Table of the paper's suite to which the areal density rule is fitted.
-COMPARED_TESTS = "table 3, Wilkins' measurements"
+from armour.validation.formulas import FlorenceResult
+from armour.validation.tested import COMPARED_TESTS, MeasuredArmour, nearest_measured, wilkins_tests
 
 
 @dataclass(frozen=True)
@@ -48,9 +46,35 @@ class RuleResult:
     areal_density_kg_m2: float = 0.0
 
 
+@dataclass(frozen=True)
+class Error:
+    """Mean and largest magnitude of the relative errors of a method, ``predictor``, on the ``count`` tests of a table.
+
+    ``fitted`` describes the fit of the method and its tests, if there was one.  If it was fitted to the table itself,
+    ``left_out_percent`` is the mean error when the fit that predicts a test leaves this test out.
+    """
+
+    table: str
+    predictor: str
+    count: int
+    mean_percent: float
+    largest_percent: float
+    left_out_percent: float | None = None
+    fitted: str = ""
+
+    @classmethod
+    def of(
+        cls, predictor: str, limits: Floats, predicted: Floats, left_out: Floats | None = None, fitted: str = ""
+    ) -> "Error":
+        """Return the error of predicted limits, m/s, (tests,), given the measured ones."""
+        off = 100.0 * np.abs(predicted / limits - 1.0)
+        out = None if left_out is None else float(100.0 * np.abs(left_out / limits - 1.0).mean())
+        return cls(COMPARED_TESTS, predictor, len(off), float(off.mean()), float(off.max()), out, fitted)
+
+
 @dataclass(frozen=True, repr=False)
 class Comparison(TableResult):
-    """Ballistic limit and residual velocities by the model and by simpler formulas.
+    """Ballistic limit by the model and by simpler formulas, and residual velocities by the model.
 
     Attributes
     ----------
@@ -60,11 +84,6 @@ class Comparison(TableResult):
         Ballistic limit by the model.
     florence : tuple of FlorenceResult
         One per body with a known mass and diameter; empty if the metal lacks values that the formula needs.
-    fits : tuple
-        Fits of Lambert and Jonas and of Recht and Ipson to the model's residual velocities: ``name``, ``ratio``,
-        ``exponent`` and ``rms_m_s``, the root mean square of the residuals, m/s.
-    fitted_m_s : tuple of float
-        Lowest and highest impact velocity of the fits, m/s.
     curve : tuple of ImpactResult
         Impacts by the model around and above the limit.
     tests : str
@@ -72,8 +91,11 @@ class Comparison(TableResult):
     rules : tuple of RuleResult
         The rule with p = 1 and with p fitted; empty if the tests used another round or other materials.
     errors : tuple of Error
-        Errors of every method on these tests, with the attributes that `SuiteResult` lists; empty without rules.  The
-        model has the values of the library.
+        Errors on these tests of the model, which has the values of the library, of `florence` and of `rules`, in this
+        order; empty without rules.  Each has the ``table``, the ``predictor`` and the ``count`` of tests;
+        ``mean_percent`` and ``largest_percent``, the mean and the largest magnitude of the relative errors; ``fitted``,
+        what was fitted, if anything; and ``left_out_percent``, the mean with each test left out of the fit that
+        predicts it, None without a fit to these tests.
     florence_missing : tuple of str
         Keys of the library that Florence's limit needs and the metal of the back plate lacks.
     measured : tuple of MeasuredArmour
@@ -83,9 +105,7 @@ class Comparison(TableResult):
 
     areal_density_kg_m2: float
     limit: LimitResult
-    florence: tuple[formulas.FlorenceResult, ...]
-    fits: tuple[formulas.ResidualVelocityFit, ...]
-    fitted_m_s: tuple[float, float]
+    florence: tuple[FlorenceResult, ...]
     curve: tuple[ImpactResult, ...]
     tests: str
     rules: tuple[RuleResult, ...]
@@ -101,8 +121,6 @@ class Comparison(TableResult):
             "whole_areal_density_kg_m2": self.whole_areal_density_kg_m2,
             "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
             "florence": [asdict(result) for result in self.florence],
-            "fits": [asdict(fit) for fit in self.fits],
-            "fitted_m_s": self.fitted_m_s,
             "tests": self.tests,
             "areal_density_rules": [asdict(rule) for rule in self.rules],
             "measured": [asdict(armour) for armour in self.measured],
@@ -145,60 +163,23 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         If the armour has no ceramic.
     NoLimitError
         If the scenario's range contains no ballistic limit.
-    NoAnswerError
-        If the range contains no velocities above the limit.
     """
     missing = formulas.missing_for_florence(scenario)
     refuse(missing if not scenario.armour.ceramic_thickness_mm > 0.0 else ())
     limit = ballistic_limit(scenario, on_progress=on_progress)
-    limit_m_s, highest = limit.ballistic_limit_m_s, scenario.ballistic_limit.velocity_max_m_s
-    if highest <= limit_m_s * (1.0 + 1e-9):
-        raise NoAnswerError(
-            f"no fit: the range of velocities ends at the ballistic limit, {highest:g} m/s; "
-            "raise ballistic_limit.velocity_max_m_s"
-        )
-    curve = residual_velocity_curve(scenario, limit, on_progress)
-    above = [impact for impact in curve if impact.impact_velocity_m_s > limit_m_s]
-    velocities = [impact.impact_velocity_m_s for impact in above]
-    residuals = [impact.residual_velocity_m_s for impact in above]
-    rules, bodies = areal_density_rules(scenario, limit_m_s), [] if missing else formulas.bodies_of(scenario)
+    rules = areal_density_rules(scenario, limit.ballistic_limit_m_s)
     return Comparison(
         areal_density_kg_m2=scenario.areal_density_kg_m2(),
-        measured=nearest_measured(scenario, limit_m_s),
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         limit=limit,
-        florence=tuple(formulas.florence_result(scenario, body, on_progress) for body in bodies),
-        fits=(
-            formulas.fit_lambert_jonas(velocities, residuals, limit_m_s),
-            formulas.fit_recht_ipson(velocities, residuals, limit_m_s),
-        ),
-        fitted_m_s=(velocities[0], velocities[-1]),
-        curve=curve,
-        tests=_tests_in_words(_tests().cases),
+        florence=() if missing else formulas.florence_results(scenario),
+        curve=residual_velocity_curve(scenario, limit, on_progress),
+        tests=wilkins_tests().words(),
         rules=rules,
-        errors=_errors() if rules and not changed_names() else (),
+        errors=tuple(_errors()) if rules else (),
         florence_missing=tuple(problem.key for problem in missing),
+        measured=nearest_measured(scenario, limit.ballistic_limit_m_s),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
-
-
-@cache
-def _tests() -> Suite:
-    """Return the part of the paper's suite with the measured limits to which the areal density rule is fitted."""
-    return load_suite(paper_suite()).only(COMPARED_TESTS)
-
-
-@cache
-def _errors() -> tuple[Error, ...]:
-    """Return the errors of every method on these tests."""
-    return validate(_tests()).errors
-
-
-def _tests_in_words(cases: Sequence[Case]) -> str:
-    """Return number, round, materials and range of areal densities of tests, as text."""
-    projectile, ceramic, backing = (cases[0].scenario.name_of(role) for role in ROLES)
-    densities = areal_densities(cases)
-    span = f"{densities.min():.1f} to {densities.max():.1f} kg/m²"
-    return f"{len(cases)} tests of {projectile} on {ceramic} and {backing}, {span} ({COMPARED_TESTS})"
 
 
 def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResult, ...]:
@@ -207,13 +188,32 @@ def areal_density_rules(scenario: Scenario, limit_m_s: float) -> tuple[RuleResul
     `limit_m_s` is the armour's limit by the model.  The result is empty if the tests to which the rule is fitted are of
     another round or of other materials.
     """
-    cases, rules = _tests().cases, []
-    if any(scenario.entry_of(role) != cases[0].scenario.entry_of(role) for role in ROLES):
+    tests, rules = wilkins_tests(), []
+    if any(scenario.entry_of(role) != tests.scenarios[0].entry_of(role) for role in ROLES):
         return ()
     for p in (1.0, None):
-        rule = formulas.fit_areal_density_rule(areal_densities(cases), measured_limits(cases), p)
+        rule = formulas.fit_areal_density_rule(tests.areal_densities, tests.limits, p)
         areal_density = (limit_m_s / rule.k) ** (1.0 / rule.p) * scenario.cosine()
-        rules.append(
-            RuleResult(rule.k, rule.p, p is None, rule.limit(formulas.along_fire_kg_m2(scenario)), areal_density)
-        )
+        limit = rule.limit(formulas.along_fire_kg_m2(scenario))
+        rules.append(RuleResult(rule.k, rule.p, p is None, limit, areal_density))
     return tuple(rules)
+
+
+def _errors() -> Iterator[Error]:
+    """Yield the errors on Wilkins' tests of the model, of Florence's formula and of the areal density rules."""
+    scenarios, columns, densities, limits = wilkins_tests()
+    name, fit = scenarios[0].armour.ceramic or "", formulas.fit_areal_density_rule
+    fitted = f"flow stress of {name}: {scenarios[0].entry('ceramic', name).values['flow_stress_GPa'].source}"
+    yield Error.of("this model", limits, evaluate(scenarios[0], columns, [LIMIT])[LIMIT], fitted=fitted)
+    for results in zip(*map(formulas.florence_results, scenarios), strict=True):
+        predicted = np.array([result.ballistic_limit_m_s for result in results])
+        yield Error.of(formulas.florence_name(results[0]), limits, predicted)
+    for p, name in ((1.0, "p = 1"), (None, "p fitted")):
+        rule = fit(densities, limits, p)
+        left_out = [
+            fit(np.delete(densities, place), np.delete(limits, place), p).limit(density)
+            for place, density in enumerate(densities)
+        ]
+        fitted = f"k = {rule.k:.2f}{'' if p else f' and p = {rule.p:.3f}'} to these tests"
+        predicted = np.array([*map(rule.limit, densities)])
+        yield Error.of(f"areal density rule, {name}", limits, predicted, np.array(left_out), fitted)

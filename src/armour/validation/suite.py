@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from armour.analysis.quantities import label_and_unit
 from armour.columns import GROUPS, column_of
 from armour.errors import InputError, Problem, counted, mistake, refuse
-from armour.files import located, named, read_toml, shipped_files, shipped_suites, shipped_tests, suite_file
+from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import ROUND_AND_ARMOUR
@@ -51,8 +51,6 @@ class Case:
         Keys and indices of the expected value in the file.
     replacement : Scenario or None
         The scenario with one material replaced; only for a quantity that this saves.
-    rivals : mapping of str to float
-        Predictions of other methods, by name.
     measured : float or None
         If given, the expected value is the magnitude of the relative difference from this, in per cent.
     cells : mapping of str to float or str
@@ -70,7 +68,6 @@ class Case:
     expected: float | str | None
     place: KeyPath
     replacement: Scenario | None = None
-    rivals: Mapping[str, float] = field(default_factory=dict)
     measured: float | None = None
     cells: Cells = field(default_factory=dict)
     bound: Measurement | None = None
@@ -280,7 +277,6 @@ class _Row(NamedTuple):
     expected: float | str | None = 0.0
     first: bool = True  # whether it is the first, or only, case of its section
     inputs: Mapping[str, float] = {}
-    rivals: Mapping[str, float] = {}
     measured: float | None = None
 
 
@@ -290,11 +286,9 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
         column = table.columns.index(EXPECTED) if table.rows else 0
         for row_index, numbers in enumerate(table.rows):
             values = dict(zip(table.columns, numbers, strict=True))
-            rivals = {name: values[name] for name in table.rivals}
             measured = values.pop(MEASURED_COLUMN) if table.compares else None
-            inputs = {name: value for name, value in values.items() if name not in (EXPECTED, *rivals)}
-            place = ("table", index, "rows", row_index, column)
-            yield _Row(table, place, values[EXPECTED], not row_index, inputs, rivals, measured)
+            expected = values.pop(EXPECTED)
+            yield _Row(table, ("table", index, "rows", row_index, column), expected, not row_index, values, measured)
     for index, case in enumerate(suite.case):
         yield _Row(case, ("case", index, EXPECTED), case.expected, measured=case.measured)
     for index, table in enumerate(suite.table):
@@ -314,7 +308,7 @@ def _cases_of_row(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping
         replacement = _changed_scenario(file, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
     name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
-    case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.rivals, row.measured)
+    case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.measured)
     if row.first:
         _check_changes(case, row.inputs)
     return (
@@ -390,11 +384,6 @@ def suite_files(suite: Suite) -> list[Path]:
     """Return the files from which a suite is read: its own, those of its scenarios, and its files of tests."""
     scenarios = [file for case in suite.cases for file in files_of(case.scenario)]
     return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
-
-
-def has_own_rivals(suite: Suite) -> bool:
-    """Return whether a suite that is not shipped has rivals."""
-    return suite.file not in shipped_suites().values() and any(table.rivals for table in suite.tables)
 
 
 def _changed_scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:

@@ -138,7 +138,6 @@ class TableSection(_Expectation, GroupSection):
     file: str = ""
     group: list[GroupSection] = []
     rms_band: Width | None = None
-    rivals: list[Name] = []
     replaced_by: ClassVar = None
 
     @model_validator(mode="after")
@@ -147,7 +146,7 @@ class TableSection(_Expectation, GroupSection):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
         if self.rms_band is not None and self.rms_band_percent is not None:
             raise ValueError("must have rms_band or rms_band_percent, found both")
-        excluded = ("columns", "rows", "rivals", "rms_band") if self.file else ("where", "group", "mean_band_percent")
+        excluded = ("columns", "rows", "rms_band") if self.file else ("where", "group", "mean_band_percent")
         if wrong := [key for key in excluded if key in self.model_fields_set]:
             raise ValueError(f"must not have {wrong[0]} {'with' if self.file else 'without'} a file")
         if self.file:
@@ -158,8 +157,8 @@ class TableSection(_Expectation, GroupSection):
             raise ValueError("must have rows, or a file that has them")
         if len(set(self.columns)) != len(self.columns):
             raise ValueError("columns must differ from each other")
-        if missing := [name for name in (EXPECTED, *self.rivals) if name not in self.columns]:
-            raise ValueError(f"columns must include {', '.join(missing)}")
+        if EXPECTED not in self.columns:
+            raise ValueError(f"columns must include {EXPECTED}")
         for index, row in enumerate(self.rows):
             if len(row) != len(self.columns):
                 must = f"every row must have the {len(self.columns)} numbers of the columns"
@@ -171,7 +170,7 @@ class TableSection(_Expectation, GroupSection):
     @property
     def compares(self) -> bool:
         """Whether the expected values are relative differences from measured ones."""
-        return MEASURED_COLUMN in self.columns and MEASURED_COLUMN not in self.rivals
+        return MEASURED_COLUMN in self.columns
 
 
 # Name of the table in which cases outside tables are shown.

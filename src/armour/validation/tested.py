@@ -3,20 +3,50 @@
 from dataclasses import dataclass
 from functools import cache
 from math import log
+from typing import NamedTuple
 
 import numpy as np
 
 from armour.analysis.evaluate import groups_of
+from armour.analysis.variants import Floats
 from armour.csv_files import shipped_rows
 from armour.files import shipped_files
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES, OBLIQUITY, ROD, Kind
+from armour.scenario.inputs import BACKING, CERAMIC, LAYERS, NAMES, OBLIQUITY, ROD, ROLES, Kind
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.measured import LIMIT
 from armour.units import MM
+from armour.validation import formulas
 
 # Largest relative difference of ballistic limits that are alike, and of cores in diameter, mass and density.
 ALIKE_PART = 0.1
+# Wilkins' tests as the paper's suite names them.
+COMPARED_TESTS = "table 3, Wilkins' measurements"
+
+
+class WilkinsTests(NamedTuple):
+    """Wilkins' n tests; arrays, (n,)."""
+
+    scenarios: list[Scenario]
+    columns: dict[str, Floats]  # thicknesses, mm, by key
+    areal_densities: Floats  # along the line of fire, kg/m²
+    limits: Floats  # as measured, m/s
+
+    def words(self) -> str:
+        """Return number, round, materials and range of areal densities, as text."""
+        projectile, ceramic, backing = (self.scenarios[0].name_of(role) for role in ROLES)
+        span = f"{self.areal_densities.min():.1f} to {self.areal_densities.max():.1f} kg/m²"
+        return f"{len(self.limits)} tests of {projectile} on {ceramic} and {backing}, {span} ({COMPARED_TESTS})"
+
+
+@cache
+def wilkins_tests() -> WilkinsTests:
+    """Return Wilkins' tests, of the scenario of this name."""
+    wilkins, rows = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), shipped_rows("tests/wilkins")
+    columns = {key: np.array([float(row[key]) for row in rows]) for key in (*LAYERS, LIMIT)}
+    limits = columns.pop(LIMIT)
+    scenarios = [wilkins.replaced({key: float(row[key]) for key in LAYERS}) for row in rows]
+    return WilkinsTests(scenarios, columns, np.array([*map(formulas.along_fire_kg_m2, scenarios)]), limits)
 
 
 @dataclass(frozen=True)
@@ -60,14 +90,11 @@ def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
 
     The kind is "ceramic" or the metal of a bare plate.  The core has the values of the inputs `ROD`, in their units.
     """
-    wilkins, tests = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), []
-    for row in shipped_rows("tests/wilkins"):
-        scenario = wilkins.replaced({key: float(row[key]) for key in (CERAMIC, BACKING)})
-        limit = float(row[LIMIT])
-        measured = MeasuredArmour(
-            scenario.armour_words(), wilkins.impact.projectile, scenario.areal_density_kg_m2(), limit
-        )
-        tests.append(("ceramic", tuple(wilkins.inputs()[name] for name in ROD), measured))
+    tests, wilkins = [], wilkins_tests()
+    for scenario, limit in zip(wilkins.scenarios, wilkins.limits.tolist(), strict=True):
+        density = scenario.areal_density_kg_m2()
+        measured = MeasuredArmour(scenario.armour_words(), scenario.impact.projectile, density, limit)
+        tests.append(("ceramic", tuple(scenario.inputs()[name] for name in ROD), measured))
     for row in shipped_rows("tests/plates"):
         if float(row[OBLIQUITY]) == 0.0:
             thickness_mm, density = float(row[BACKING]), float(row["backing.density_kg_m3"])
@@ -81,7 +108,7 @@ def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
 def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     """Return what each library entry was tested with, by its kind and name: rounds for a material, and vice versa."""
     # Files of the same name in the working folder must not replace the shipped ones.
-    library, wilkins = shipped_library(), load_scenario(shipped_files("scenarios", ".toml")["wilkins"])
+    library, wilkins = shipped_library(), wilkins_tests().scenarios[0]
     rounds = library.known("projectile")
     plates = [row for row in shipped_rows("tests/plates") if row["round"] in rounds]
     tested: dict[tuple[Kind, str], dict[str, None]] = {}
@@ -99,10 +126,9 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
             metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
             add("metal", metal, projectile)
             add("projectile", projectile, metal)
-    layers = {key: np.array([float(row[key]) for row in shipped_rows("tests/wilkins")]) for key in (CERAMIC, BACKING)}
     metal, projectile = wilkins.armour.backing, wilkins.impact.projectile
     for ceramic in library.names("ceramic"):
-        [group] = groups_of(wilkins.replaced({NAMES["ceramic"]: ceramic}), layers)
+        [group] = groups_of(wilkins.replaced({NAMES["ceramic"]: ceramic}), wilkins_tests().columns)
         if group.variants.errors.known.any():
             add("ceramic", ceramic, f"{projectile}, on {metal}")
             add("metal", metal, f"{projectile}, with {wilkins.armour.ceramic}")

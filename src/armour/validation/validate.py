@@ -14,14 +14,12 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
 from armour.files import named, shipped_suites
-from armour.leaving import warn_leaving
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
 from armour.statistics.measured import OUTCOME
 from armour.validation.questions import Subject, answer
-from armour.validation.rivals import Error, errors_of
-from armour.validation.suite import Case, Suite, has_own_rivals, load_suite
+from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.suite_sections import GroupSection, TableSection, meets
 
 CheckStatus = Literal["within", "outside", "no answer", "no expected value", "no reason", "not scored"]
@@ -146,12 +144,6 @@ class SuiteResult(TableResult):
     checks : tuple of Check
     summaries : tuple of TableSummary
         One per table and one per group of it.
-    errors : tuple of Error
-        For each table with rival predictions: errors of the rivals, of this model and of simpler formulas.  Each has
-        the ``table``, the ``predictor`` and the ``count`` of rows.  ``mean_percent`` and ``largest_percent`` are the
-        mean and the largest magnitude of the relative errors.  ``fitted`` describes what was fitted, if anything.
-        ``left_out_percent`` is the mean with each test left out of the fit that predicts it; None without a fit to the
-        table.
     description : str
         Description of the suite, from its file.
     """
@@ -160,7 +152,6 @@ class SuiteResult(TableResult):
     file: str
     checks: tuple[Check, ...]
     summaries: tuple[TableSummary, ...]
-    errors: tuple[Error, ...]
     description: str = ""
 
     @property
@@ -191,7 +182,6 @@ class SuiteResult(TableResult):
             "warnings": self.warnings,
             "cases": [check.to_dict() for check in self.checks],
             "tables": [vars(summary) for summary in self.summaries],
-            "errors": [vars(error) for error in self.errors],
         }
 
     def _words(self) -> str:
@@ -231,8 +221,6 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
     """
     if not isinstance(suite, Suite):
         suite = load_suite(suite)
-    if has_own_rivals(suite):
-        warn_leaving("table.rivals", 3)
     subjects: dict[tuple[str, ...], Subject] = {}
     values_of_tests = _values_of_tests(suite.cases)
     checks = []
@@ -254,7 +242,6 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
         file=named(suite.file),
         checks=tuple(checks),
         summaries=tuple(summary for table, rows in tables if rows for summary in _summaries(table, rows)),
-        errors=tuple(error for _, rows in tables for error in errors_of((row.case, row.computed) for row in rows)),
         description=suite.description,
     )
 

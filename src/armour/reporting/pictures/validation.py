@@ -11,11 +11,10 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
-from armour.reporting.views.validation import drawn_checks
+from armour.reporting.views.validation import drawn_checks, limits_by_formulas
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.formulas import residual_velocity
 from armour.validation.suite_sections import CASES
 from armour.validation.validate import SuiteResult
 
@@ -89,32 +88,22 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
 
 @draw.register
 def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw residual velocities by the model and by the fitted formulas, with ballistic limits by other formulas.
+    """Draw residual velocities by the model, with ballistic limits by simpler formulas.
 
-    Limits outside the range of the curves are named in the note.
+    Limits outside the range of the curve are named in the note.
     """
-    limit = result.limit.ballistic_limit_m_s
     impact = [point.impact_velocity_m_s for point in result.curve]
-    limits = {f"Florence, {formula.projectile}": formula.ballistic_limit_m_s for formula in result.florence}
-    limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
-    beyond = [
-        f"{name} {velocity:.0f} m/s" for name, velocity in limits.items() if not impact[0] <= velocity <= impact[-1]
-    ]
-    title = f"Ballistic limit {limit:.0f} m/s by this model"
-    if limits:
-        title += f", {min(limits.values()):.0f} to {max(limits.values()):.0f} m/s by formulas"
+    limits = limits_by_formulas(result)
+    drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
+    beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
+    title = f"Ballistic limit {result.limit.ballistic_limit_m_s:.0f} m/s by this model"
+    if velocities := [velocity for _, velocity in limits]:
+        title += f", {min(velocities):.0f} to {max(velocities):.0f} m/s by formulas"
     picture = sheet.panels(title, 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
     [axes] = picture.axes
     residual = [point.residual_velocity_m_s for point in result.curve]
     axes.plot(impact, residual, color=drawing.COLOURS[0], label="this model")
-    for fit, colour, style in zip(result.fits, drawing.COLOURS[1:], drawing.STYLES[1:], strict=False):
-        fitted = [residual_velocity(velocity, limit, fit.ratio, fit.exponent) for velocity in impact]
-        label = f"{fit.name}: ratio {fit.ratio:.3f}, exponent {fit.exponent:.2f}"
-        axes.plot(impact, fitted, linestyle=style, color=colour, label=label)
-    for (name, velocity), style in zip(limits.items(), drawing.STYLES[1:], strict=False):
-        if impact[0] <= velocity <= impact[-1]:
-            axes.axvline(
-                velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE
-            )
+    for (name, velocity), style in zip(drawn, drawing.STYLES[1:], strict=False):
+        axes.axvline(velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE)
     drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
     return picture

@@ -1,6 +1,7 @@
 """Tables and reports of suites, of the paper's figures, and of comparisons with simpler formulas."""
 
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from math import ceil, floor, log10
 
 from armour import __version__
@@ -10,15 +11,14 @@ from armour.evidence.tests import armours_of, limits_of_model
 from armour.reporting.by_result import drawing_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Cell, Column, Table, VerdictLine, deviation_percent, grouped, number
+from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number
 from armour.reporting.views.analysis import caveat_lines
 from armour.reporting.words import BALLISTIC_LIMIT, WHOLE, said_of
 from armour.scenario.scenario import Scenario
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison, RuleResult
 from armour.validation.figures import Figure
-from armour.validation.formulas import FlorenceResult
-from armour.validation.rivals import Error
+from armour.validation.formulas import florence_name
 from armour.validation.suite import Case
 from armour.validation.suite_sections import CASES
 from armour.validation.tested import MeasuredArmour
@@ -108,17 +108,6 @@ def held_to(summary: TableSummary) -> str:
     return ", ".join(parts)
 
 
-def error_tables(errors: Sequence[Error]) -> list[Table]:
-    """Return a table for each table of a suite that compares predictions, with the errors of each predictor."""
-    predictor = Column.of("predictor", label="predicted by", prose=True)
-    numbers = [Column.of("mean_percent", ".1f", "mean error"), Column.of("left_out_percent", ".1f")]
-    columns = predictor, *numbers, Column.of("largest_percent", ".1f"), Column.of("fitted", prose=True)
-    return [
-        Table.of(group, *columns, title=f"errors, {table}, {counted(group[0].count, 'row')}")
-        for table, group in grouped(errors, lambda error: error.table).items()
-    ]
-
-
 def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
     """Return names and notes of cases: why they have no answer, are not scored, or have their band.
 
@@ -143,7 +132,7 @@ def verdict(result: SuiteResult) -> str:
 
 
 def suite_tables(result: SuiteResult) -> list[Table]:
-    """Return all tables of a suite: its cases, its tables as a whole, and the errors of predictions.
+    """Return all tables of a suite: its cases, and its tables as a whole.
 
     A table whose rows are in a file shows its groups instead, and those rows that are outside their bands or have no
     answer.
@@ -153,7 +142,7 @@ def suite_tables(result: SuiteResult) -> list[Table]:
         in_file = bool(checks[0].case.cells)
         tables += [group_table(result, name), *failed_table(name, checks)] if in_file else [check_table(checks, name)]
     whole = summary_table(result)
-    return [*tables, *([whole] if whole.rows else []), *error_tables(result.errors)]
+    return [*tables, *([whole] if whole.rows else [])]
 
 
 def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
@@ -249,9 +238,9 @@ def usable_table(result: SuiteResult) -> Table:
     groups = check_groups(result)
 
     def is_measured(summary: TableSummary) -> bool:
-        cases = [check.case for check in groups[summary.name]]
-        of_limits = not summary.group and (summary.unit, cases[0].quantity) == ("%", LIMIT)
-        return of_limits and summary.status != "not scored" and any(case.cells or case.rivals for case in cases)
+        case = groups[summary.name][0].case
+        of_limits = not summary.group and (summary.unit, case.quantity) == ("%", LIMIT)
+        return of_limits and summary.status != "not scored" and not case.regression and case.measured is None
 
     return Table.of(
         filter(is_measured, result.summaries),
@@ -366,14 +355,22 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
 
+def limits_by_formulas(result: Comparison) -> list[tuple[str, float]]:
+    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula."""
+    florence = [(florence_name(each), each.ballistic_limit_m_s) for each in result.florence]
+    return [*florence, *((f"areal density rule, p = {rule.p:.4g}", rule.ballistic_limit_m_s) for rule in result.rules)]
+
+
 def comparison_table(result: Comparison) -> Table:
-    """Tabulate the ballistic limits by the model, by Florence's formula and by the areal density rules."""
-    limit = result.limit.ballistic_limit_m_s
-    limits = {_florence_name(florence): florence.ballistic_limit_m_s for florence in result.florence}
-    limits |= {f"areal density rule, p = {rule.p:.4g}": rule.ballistic_limit_m_s for rule in result.rules}
-    rows = [(name, other, deviation_percent(other, limit)) for name, other in limits.items()]
-    columns = Column("formula", prose=True), BALLISTIC_LIMIT, Column("difference from the model", "%", "+.0f")
-    return Table.of_rows(columns, [("this model", limit, None), *rows])
+    """Tabulate the ballistic limits by the model and by formulas, with their errors on tests, and measured ones."""
+    limits = [("this model", result.limit.ballistic_limit_m_s), *limits_by_formulas(result)]
+    errors = [(error.mean_percent, error.left_out_percent, error.largest_percent) for error in result.errors]
+    rows = [(*limit, *error) for limit, error in zip_longest(limits, errors, fillvalue=(None, None, None))]
+    for each in result.measured:
+        name = f"measured: {each.armour}, {each.projectile}, {each.areal_density_kg_m2:.1f} kg/m²"
+        rows.append((name, each.ballistic_limit_m_s, None, None, None))
+    parts = [Column(label, "%", ".1f") for label in ("mean error", "left out", "largest")]
+    return Table.of_rows((Column("by", prose=True), Column("limit", "m/s", ".0f"), *parts), rows)
 
 
 def weight_table(
@@ -398,62 +395,23 @@ def weight_table(
     return Table(columns, tuple(rows))
 
 
-def optimum_table(result: Comparison) -> Table:
-    """Tabulate the thicknesses that are best by Florence's formula at the armour's areal density, with their limits."""
-    return Table.of(
-        result.florence,
-        (Column("optimum by Florence", prose=True), _florence_name),
-        Column.of("best_ceramic_thickness_mm", ".1f", "ceramic"),
-        Column.of("best_backing_thickness_mm", ".1f", "back plate"),
-        Column.of("best_thickness_ratio", ".1f", "ratio"),
-        Column.of("best_ballistic_limit_m_s", ".0f", "limit by Florence"),
-        Column.of("model_ballistic_limit_m_s", ".0f", "by the model"),
-    )
-
-
-def _florence_name(result: FlorenceResult) -> str:
-    """Return the name of a result of Florence's formula, with the projectile it takes."""
-    return f"Florence, {result.projectile} ({result.mass_g:g} g, {result.diameter_mm:g} mm)"
-
-
 def rule_note(result: Comparison) -> str:
     """Return a note on the areal density rules: their factors and tests, or why there are none."""
     if not result.rules:
         return f"areal density rule: none, without tests of this round and these materials; there are {result.tests}"
     factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
-    return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {result.tests}"
-
-
-def fit_table(result: Comparison) -> Table:
-    """Tabulate the parameters of the formulas that are fitted to the model's residual velocities."""
-    return Table.of(
-        result.fits,
-        Column.of("name", label="residual velocity by", prose=True),
-        Column.of("ratio", ".4f", "velocity ratio a"),
-        Column.of("exponent", ".3f"),
-        Column.of("rms_m_s", ".1f", "RMS deviation"),
-    )
+    tests = f"{result.tests}, as was the model's flow stress"
+    return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {tests}"
 
 
 @tables_of.register
 def tables_of_comparison(result: Comparison) -> list[Table | str]:
     """Return all tables of a comparison."""
-    low, high = result.fitted_m_s
+    missing = ", ".join(result.florence_missing)
     return [
         *caveat_lines(result.limit),
-        comparison_table(result),
-        *([f"Florence's limit: none, without {', '.join(result.florence_missing)}"] if result.florence_missing else []),
-        rule_note(result),
         Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
-        weight_table(
-            result.whole_areal_density_kg_m2,
-            result.limit.ballistic_limit_m_s,
-            result.rules,
-            result.measured,
-            result.question.get("scenario"),
-        ),
-        *([optimum_table(result)] if result.florence else []),
-        *error_tables(result.errors),
-        fit_table(result),
-        f"fitted to the model's residual velocities from {low:.0f} to {high:.0f} m/s",
+        comparison_table(result),
+        *([f"Florence's limit: none, without {missing}"] if missing else []),
+        rule_note(result),
     ]
