@@ -167,4 +167,4 @@ def machine_code(triple: str) -> list[bytes]:
 
 
 if __name__ == "__main__":
-    sys.exit(build())
+    sys.exit(build() or 0)
