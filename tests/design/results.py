@@ -66,5 +66,5 @@ def design_result(
         designs=100,
         runs=200,
         not_monotonic_mm=(),
-        warnings=(),
+        notes=(),
     )

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 import armour
 from armour.core import equations
 from armour.core.state import Parameters
-from armour.errors import Note
 from armour.evidence.caveats import long_rod
 from armour.reporting.design_page import design_page
 from armour.reporting.scenario_report import contents_of, scenario_report
@@ -37,7 +36,7 @@ def on(density: float, **sections: object) -> Scenario:
 
 
 def said(result: armour.CheckResult | armour.DesignResult | armour.ImpactResult) -> list[str]:
-    return [note.text for note in result.warnings if isinstance(note, Note) and note.said]
+    return [note.text for note in result.notes if note.said]
 
 
 def test_no_answer_passes_an_armour_on_what_is_no_metal():
@@ -102,7 +101,7 @@ def test_a_search_tells_of_each_density_once():
     backings = [{"material": name, "thickness_mm": [40.0]} for name in ("6061-T6", *metals)]
     design = {"ceramic": [{"material": "AD85", "thickness_mm": [6.0]}], "backing": backings}
     found = armour.optimise(scenario(velocity=500.0, library={"metal": metals}, design=design))
-    told = [note.text for note in found.warnings if isinstance(note, Note) and note.said == "pairs"]
+    told = [note.text for note in found.notes if note.said == "pairs"]
     assert known(found.best).backing == "X"
     assert [text.partition(" a metal?")[0] for text in told] == ["is a back plate of 1,950 kg/m³"]
 
@@ -117,7 +116,7 @@ def test_a_search_asks_it_of_pairs_that_it_does_not_name_first():
     assert known(found.best).backing == "6061-T6"
     tables = [words for words in tables_of_design(found) if isinstance(words, str)]
     assert [words for words in tables if words.startswith("is a back plate of 1,840 kg/m³ a metal?")]
-    assert not said_of(found.warnings)
+    assert not said_of(found.notes)
 
 
 def test_long_rods_are_named_with_the_depth_that_the_equations_give():
@@ -290,8 +289,8 @@ def test_a_search_says_of_pairs_it_does_not_name_first_what_tests_contradict():
     bare = scenario("7.62 mm APM2", None, "6061-T6", 0.0, 50.0, 300.0, design={"backing": backings})
     found = armour.optimise(bare)
     assert known(found.best).backing == "6061-T6"
-    assert not said_of(found.warnings)
-    told = said_of(found.warnings, "pairs")
+    assert not said_of(found.notes)
+    told = said_of(found.notes, "pairs")
     assert [text.startswith(words) for text, words in zip(told, (STEEL, LOTS), strict=True)] == [True, True]
 
 

@@ -27,5 +27,5 @@ def planned_tests() -> PlannedTests:
         candidates={CERAMIC: (6.0, 8.0)},
         sensitivities=(0.8, 1.0),
         confidence=0.95,
-        warnings=(),
+        notes=(),
     )

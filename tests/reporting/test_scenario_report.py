@@ -107,7 +107,9 @@ def test_a_distribution_about_another_value_than_the_designs_is_left_out():
     grid["backing_thickness_mm"] = {"min": 4.0, "max": 10.0, "step": 1.0}
     found = contents_of(load_scenario(SCENARIOS / "uncertain.toml", {"optimise": grid}))
     assert found.uncertainty is None
-    assert any("uncertainty.armour.ceramic_thickness_mm: is given for a value other than" in w for w in found.warnings)
+    assert any(
+        "uncertainty.armour.ceramic_thickness_mm: is given for a value other than" in w for w in map(str, found.notes)
+    )
 
 
 @cache
@@ -129,14 +131,14 @@ def test_distributions_count_for_every_threat():
     alone = uncertainty(found.scenario.replaced({"impact.velocity_m_s": 680.0})).probability_of_perforation
     assert slow.probability_of_stopping == 1.0 - alone.value
     assert found.sampled == (slow.threat, fast.threat)
-    assert not any("taken as exact" in warning for warning in found.warnings)
+    assert not any("taken as exact" in warning for warning in map(str, found.notes))
 
 
 def test_a_threat_that_a_distribution_does_not_fit_keeps_exact_inputs():
     found = uncertain(max=700.0)
     assert found.sampled == ()
     assert found.threats == found.check.threats
-    assert sum("inputs are taken as exact" in warning for warning in found.warnings) == 2
+    assert sum("inputs are taken as exact" in warning for warning in map(str, found.notes)) == 2
     first, second = found.threats
     mixed = section(
         replace(found, threats=(replace(first, sampled=Estimate(0.1, 0.1, 0.1)), second)), "Threats"
@@ -305,25 +307,20 @@ def test_the_report_names_the_command_of_the_map():
 
 
 def test_warnings_name_inputs_in_words():
-    warnings = (
+    notes = (
         Note("high", "backing.flow_stress_GPa"),
         Note("other", "uncertainty.armour.ceramic_thickness_mm"),
         Note("far", "threat[0].projectile"),
         Note("new", "armour.ceramic"),
         Note("no", "threat"),
     )
-    assert report(replace(wilkins(), warnings=warnings)).warnings[:5] == (
+    assert report(replace(wilkins(), notes=notes)).warnings[:5] == (
         "back plate flow stress, GPa: high",
         "distribution of the ceramic thickness, mm: other",
         "7.62 mm AP at 800 m/s: far",
         "ceramic: new",
         "threat: no",
     )
-
-
-def test_warnings_on_the_armour_come_first():
-    warnings = ("of the search", Note("of the armour", "armour.ceramic"))
-    assert report(replace(wilkins(), warnings=warnings)).warnings == ("ceramic: of the armour", "of the search")
 
 
 def test_the_answer_with_distributions():

@@ -33,5 +33,5 @@ def uncertainty_result() -> UncertaintyResult:
             Influence("ceramic.flow_stress_GPa", None, None, (677.0, 769.0)),
             Influence("projectile.penetrator_mass_g", None, None, (729.0, 718.0)),
         ),
-        warnings=(),
+        notes=(),
     )

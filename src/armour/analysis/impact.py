@@ -14,7 +14,7 @@ from armour.core import equations, stages
 from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters, State
-from armour.errors import InputError, mistake
+from armour.errors import InputError, Note, mistake
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
@@ -89,11 +89,6 @@ class History(TableResult):
     shear_force_kN: NDArray[np.float64]
     stage: NDArray[np.str_]
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """No warnings: the result of the impact has them."""
-        return ()
-
     def __eq__(self, other: object) -> bool:
         return isinstance(other, History) and same_columns(self._columns(), other._columns())
 
@@ -135,7 +130,7 @@ class ImpactResult(TableResult):
         Time step, µs, if the scenario gives one; None where the estimated error chooses each step.
     stages : tuple of StageRecord
         Stages of the impact, in order.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which the scenario lies outside the validated range.
     history : History or None
         Quantities over time, if requested.
@@ -153,7 +148,7 @@ class ImpactResult(TableResult):
     areal_density_kg_m2: float
     time_step_us: float | None
     stages: tuple[StageRecord, ...]
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     history: History | None = None
     whole_areal_density_kg_m2: float = 0.0
 
@@ -212,7 +207,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         time_step_us=scenario.solver.time_step_us,
         stages=stage_records(trace, armour),
-        warnings=scenario_warnings(scenario, velocity, said=True),
+        notes=scenario_warnings(scenario, velocity, said=True),
         history=history_of(trace, armour, spacing) if history else None,
     )
 

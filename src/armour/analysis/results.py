@@ -7,6 +7,7 @@ from importlib import import_module
 from math import nan
 from typing import Any, ClassVar, Self
 
+from armour.errors import Note
 from armour.files import finite
 from armour.scenario.scenario import Scenario, heading
 
@@ -47,6 +48,12 @@ class Result:
     _in_html: ClassVar[Callable[["Result"], str] | None] = None
     question: ClassVar[Mapping[str, Any]] = {}
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader should know beside the answer: the texts of the notes of the result, if it has any."""
+        notes: Iterable[Note] = getattr(self, "notes", ())
+        return tuple(map(str, notes))
+
     def of(self, computed: str | None = None, **question: Any) -> Self:
         """Record the question that this result answers, in the result itself, and return the result.
 
@@ -65,6 +72,9 @@ class Result:
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, with None for NaN and infinity."""
         plain: dict[str, Any] = finite(asdict(self))
+        if "notes" in plain:
+            del plain["notes"]
+            plain["warnings"] = self.warnings
         return plain
 
     def __repr__(self) -> str:
@@ -87,9 +97,9 @@ class EachResult(Result):
     unanswered: Mapping[str, str]
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Note, ...]:
         """Warnings of all results, each after the name of its result."""
-        return tuple(f"{name}: {text}" for name, result in self.results.items() for text in vars(result)["warnings"])
+        return tuple(Note(text, name) for name, result in self.results.items() for text in result.warnings)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the results as plain data, by name."""

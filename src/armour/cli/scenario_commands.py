@@ -69,11 +69,11 @@ def simulate(
         confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
     of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
-    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
-    extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
+    notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
+    extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
     files: Files = {history: lambda _: lazy.history_csv(result)}
-    answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
+    answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
 def ballistic_limit(
@@ -89,8 +89,8 @@ def ballistic_limit(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="searching") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result), *result.warnings)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    notes = (*lazy.not_monotonic(result), *result.notes)
+    answer(result, loaded, notes=notes, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -106,8 +106,8 @@ def compare(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts", first="searching") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    notes = (*lazy.not_monotonic(result.limit), *result.limit.notes)
+    answer(result, loaded, notes=notes, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -161,7 +161,7 @@ def check(
             show(*other_lines, *lazy.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
         suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
-        warnings += warnings_of(loaded, result.warnings, verbose=verbose)
+        warnings += warnings_of(loaded, result.notes, verbose=verbose)
     answers = [*zip(scenarios, results, strict=True)]
     data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
     moves = [] if against is None else [*lazy.moved(earlier, data, str(against))]

@@ -12,7 +12,7 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of
 from armour.core.state import Parameters
 from armour.design.requirements import SLACK_ROUNDING
 from armour.engine import batch
-from armour.errors import Problem, refuse
+from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Materials, is_untested, lacks_sources
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
@@ -237,13 +237,13 @@ class Catalogue:
         in_catalogue = getattr(self.scenario.design, role, ())
         return f"design.{role}[{place}].thickness_mm" if in_catalogue else f"optimise.{role}_thickness_mm"
 
-    def omissions(self) -> Iterator[str]:
+    def omissions(self) -> Iterator[Note]:
         """Warn of each range of thicknesses that is not a whole number of steps."""
         for role in LAYER_WORDS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
                 if isinstance(thickness, Range) and (omission := thickness.omission()):
-                    yield f"{self._key(role, place)}: {omission}"
+                    yield Note(omission, self._key(role, place))
 
     @cached_property
     def costed(self) -> list[bool]:

@@ -18,6 +18,7 @@ from armour.analysis.results import OnProgress, TableResult, by_column, ignore_p
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.variants import row_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
+from armour.errors import Note
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, outside_tests, threat_warnings
 from armour.scenario.checked import checked
@@ -134,7 +135,7 @@ class CheckResult(TableResult):
     threats : tuple of CheckedThreat
     verdict : {"passes", "fails", "not known"}
         Whether all that is required is met.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which armour and threats are unlike what the model was compared with.
     requirements : tuple of Requirement
         What is required whatever the threat, and what the armour has.
@@ -151,7 +152,7 @@ class CheckResult(TableResult):
 
     threats: tuple[CheckedThreat, ...]
     verdict: Verdict
-    warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     requirements: tuple[Requirement, ...] = ()
     areal_density_kg_m2: float = 0.0
     thickness_mm: float = 0.0
@@ -210,27 +211,31 @@ def check(
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
-    notes = [misplaced(distributions, scenario, impact) for impact in impacts]
+    wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
         _checked(impact, threat, on_progress, sample=bool(distributions) and not misplacements)
-        for impact, threat, misplacements in zip(impacts, threats, notes, strict=True)
+        for impact, threat, misplacements in zip(impacts, threats, wrongly_placed, strict=True)
     )
     areal_density, thickness, cost = scenario.areal_density_kg_m2(), scenario.thickness_mm(), scenario.cost_per_m2()
     rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
     verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
-    warnings = (
+    notes = (
         *scenario.floors,
         *scenario.unused_impact(),
         *scenario.unused_densities(),
         *threat_warnings(scenario, armours_of(*impacts)),
-        *(dict.fromkeys(note for each in notes for note in each) if requires else scenario.unused_distributions()),
+        *(
+            dict.fromkeys(note for each in wrongly_placed for note in each)
+            if requires
+            else scenario.unused_distributions()
+        ),
     )
     title = scenario.subject(threats=scenario.threat)
     return CheckResult(
         checked_threats,
         verdict_of(verdicts),
-        warnings,
+        notes,
         requirements=rows,
         areal_density_kg_m2=areal_density,
         thickness_mm=thickness,

@@ -209,7 +209,7 @@ class DesignResult(TableResult):
         Impacts computed to decide which designs pass, samples of uncertain inputs not counted.
     not_monotonic_mm : tuple of float
         Back plate thicknesses of the frontier at which a thicker ceramic was found not to pass, mm.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which the best design lies outside the validated range or at an end of a range of thicknesses.
     ceramic_min_mm : float or None
         Least ceramic thickness of the best pair's range, mm: if it passes, less may be required. None if the
@@ -235,7 +235,7 @@ class DesignResult(TableResult):
     criteria: tuple[str, ...]
     designs: int
     runs: int
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     refined: BestDesign | None = None
     pareto: tuple[Design, ...] = ()
     not_monotonic_mm: tuple[float, ...] = ()
@@ -345,12 +345,12 @@ def optimise(
         explanation = _why_not_known(designs, place) if reason else ""
     shown = None if place is None else _best(designs, place, named=True)
 
-    warnings = [*scenario.floors, *scenario.unused_impact(), *catalogue.omissions()]
+    notes = [*scenario.floors, *scenario.unused_impact(), *catalogue.omissions()]
     if place is not None:
         metals = [catalogue.materials[pair].backing for pair in np.flatnonzero(catalogue.metal)]
-        warnings += threat_warnings(scenario, designs.rows_of(place).armours, metals)
-        warnings += _of_other_pairs(catalogue, warnings)
-    warnings += [] if catalogue.sampled else scenario.unused_distributions()
+        notes += threat_warnings(scenario, designs.rows_of(place).armours, metals)
+        notes += _of_other_pairs(catalogue, notes)
+    notes += [] if catalogue.sampled else scenario.unused_distributions()
     has_frontier = reason != "none passes"
     is_not_known = shown is not None and verdict_of(row.verdict for row in shown.requirements) == "not known"
     if reason == "none passes" and is_not_known:
@@ -369,7 +369,7 @@ def optimise(
         criteria=tuple(catalogue.section.pareto or ()),
         designs=len(order),
         runs=search.runs.count,
-        warnings=tuple(warnings),
+        notes=tuple(notes),
     )
     if place is not None and has_frontier:
         result = _with_frontier(result, designs, search, place, least, refine=refine)
@@ -401,7 +401,7 @@ def _with_frontier(
     refined = _refined(designs, search, place) if refine else None
     front = _pareto(designs, search, result.criteria, least) if result.criteria else ()
     changing = (*designs.changing(), *((pair, "ceramic", other) for other in not_monotonic_mm))
-    warnings = (
+    notes = (
         *_untested(result.pairs),
         *_at_the_ends(catalogue, pair, as_results(designs, np.array([place]))[0]),
         *_least_of_the_range(catalogue, pair, frontier_designs, ceramic_min_mm),
@@ -416,7 +416,7 @@ def _with_frontier(
         not_monotonic_mm=not_monotonic_mm,
         ceramic_min_mm=ceramic_min_mm,
         without_mm=tuple(without_mm),
-        warnings=(*result.warnings, *warnings),
+        notes=(*result.notes, *notes),
     )
 
 
@@ -548,9 +548,9 @@ def _short_pairs(designs: Designs, order: Ints) -> tuple[Pair, ...]:
     return (*pairs, *(_unlike(catalogue, pair) for pair in np.flatnonzero(~catalogue.metal).tolist()))
 
 
-def _of_other_pairs(catalogue: Catalogue, warnings: Sequence[str]) -> Iterator[Note]:
-    """Yield the caveats of the model about all pairs of materials, except for those that are among `warnings`."""
-    told = {note.about for note in warnings if isinstance(note, Note)}
+def _of_other_pairs(catalogue: Catalogue, notes: Sequence[Note]) -> Iterator[Note]:
+    """Yield the caveats of the model about all pairs of materials, except for those that are among `notes`."""
+    told = {note.about for note in notes}
     for pair in np.flatnonzero(catalogue.metal).tolist():
         ceramic_mm = np.array([float(bool(catalogue.offers[pair].ceramic.material))])
         rows = catalogue.against_each(catalogue.candidates(pair, ceramic_mm, np.ones(1)))
@@ -622,7 +622,7 @@ def _why_not_known(designs: Designs, place: int | None) -> str:
     )
 
 
-def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
+def _untested(pairs: Sequence[Pair]) -> Iterator[Note]:
     """Warn of pairs of materials that are ranked after the others, as their model error is not known."""
     names = [
         f"{pair.ceramic} on {pair.backing}"
@@ -630,10 +630,10 @@ def _untested(pairs: Sequence[Pair]) -> Iterator[str]:
         if pair.best is not None and not pair.ranked and pair.best.model_error is None
     ]
     if names:
-        yield f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}"
+        yield Note(f"the model error is not known for {listed(names)}, ranked after the others; {REMEDY}")
 
 
-def _changing(search: FreeThicknesses, changes: Sequence[tuple[int, str, float]]) -> Iterator[str]:
+def _changing(search: FreeThicknesses, changes: Sequence[tuple[int, str, float]]) -> Iterator[Note]:
     """Warn of each layer of a pair that may fail if it is thicker.
 
     `changes`, which are added to those of the search, have the pair, the layer and the thickness of the other layer,
@@ -647,36 +647,39 @@ def _changing(search: FreeThicknesses, changes: Sequence[tuple[int, str, float]]
             armour = " on ".join(part.material for part in search.catalogue.offers[pair][:2] if part.material)
             words = ", ".join(f"{thickness:.4g}" for thickness in sorted(thicknesses)[:MOST_LISTED])
             omission = " and more" if len(thicknesses) > MOST_LISTED else ""
-            yield (
-                f"{armour}: a thicker {layer} is perforated at a velocity that a thinner one stops, "
-                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {words}{omission} mm"
+            yield Note(
+                f"a thicker {layer} is perforated at a velocity that a thinner one stops, "
+                f"with a {'ceramic' if layer == 'back plate' else 'back plate'} of {words}{omission} mm",
+                armour,
             )
 
 
-def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[str]:
+def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[Note]:
     """Warn of each end of a range of thicknesses at which the best design lies."""
     for key, name, low, high in catalogue.ranges(pair):
         thickness = best.ceramic_thickness_mm if name == "ceramic" else best.backing_thickness_mm
         for end, extreme, thinner in ((low, "least", "thinner"), (high, "greatest", "thicker")):
             if thickness == end > 0.0:
                 smaller = OBJECTIVES[catalogue.section.minimise].less
-                yield (
-                    f"{key}: the best design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
-                    f"a {thinner} {name} may make the armour {smaller}"
+                yield Note(
+                    f"the best design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
+                    f"a {thinner} {name} may make the armour {smaller}",
+                    key,
                 )
 
 
 def _least_of_the_range(
     catalogue: Catalogue, pair: int, frontier: Sequence[Design], ceramic_min: float | None
-) -> Iterator[str]:
+) -> Iterator[Note]:
     """Warn if the thinnest ceramic of the range passes: the required thickness is then not known."""
     backings = [design.backing_thickness_mm for design in frontier if design.ceramic_thickness_mm == ceramic_min]
     if backings:
         [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
         back_plates = f"back plates of {backings[0]:g} to" if len(backings) > 1 else "a back plate of"
-        yield (
-            f"{key}: the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {back_plates} "
-            f"{backings[-1]:g} mm; less may be required there"
+        yield Note(
+            f"the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {back_plates} "
+            f"{backings[-1]:g} mm; less may be required there",
+            key,
         )
 
 

@@ -15,7 +15,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import MAX_PROBLEMS, Problem, choices, counted, mistake, refuse, restated
+from armour.errors import MAX_PROBLEMS, Note, Problem, choices, counted, mistake, refuse, restated
 from armour.leaving import warn_leaving
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
@@ -117,7 +117,7 @@ class PlannedTests(TableResult):
         tests do not determine the inputs.
     confidence : float
         Confidence level of the intervals.
-    warnings : tuple of str
+    notes : tuple of Note
     """
 
     planned: tuple[PlannedTest, ...]
@@ -136,7 +136,7 @@ class PlannedTests(TableResult):
     candidates: dict[str, tuple[float | str, ...]]
     sensitivities: tuple[float, ...]
     confidence: float
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
 
     def _words(self) -> str:
         least = "" if self.efficiency is None else f", {self.criterion}-efficiency {self.efficiency:.3f}"
@@ -431,7 +431,7 @@ def plan_tests(
         candidates=armours.values(),
         sensitivities=tuple(sensitivities.tolist()),
         confidence=CONFIDENCE,
-        warnings=(*scenario.unused_threats(), *knowledge.warnings, *_warnings(task, number, undetermined)),
+        notes=(*scenario.unused_threats(), *map(Note, (*knowledge.warnings, *_warnings(task, number, undetermined)))),
     ).of(armours.subject(scenario), scenario=scenario, tests=tests)
 
 

@@ -67,7 +67,7 @@ class Contents:
     impact: ImpactResult  # with its history
     sensitivity: SensitivityResult | None  # None without a ballistic limit in the range of the search
     uncertainty: UncertaintyResult | None  # also None if no distributions apply to the answer
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
 
     @property
     def sampled(self) -> tuple[str, ...]:
@@ -95,10 +95,10 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
     checked = check(armour, on_progress=on_part)
     impacts = [armour.against(threat) for threat in armour.threats()]
     distributions = scenario.distributions()
-    notes = [misplaced(distributions, scenario, impact) for impact in impacts]
+    wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     threats = list(checked.threats)
     for place, impact in enumerate(impacts):
-        if threats[place].sampled is None and distributions and not notes[place] and is_sampled(impact):
+        if threats[place].sampled is None and distributions and not wrongly_placed[place] and is_sampled(impact):
             estimate = probability_of_perforation(impact, on_progress=on_part)
             threats[place] = replace(threats[place], sampled=estimate, probability_of_stopping=1.0 - estimate.value)
     worst = min(range(len(threats)), key=lambda place: design_view.standing(threats[place]))
@@ -118,11 +118,11 @@ def contents_of(scenario: Scenario, on_progress: OnProgress = ignore_progress, *
         answer=answer,
         impact=simulate(answer, history=True),
         sensitivity=_or_none(sensitivity, answer, on_part),
-        uncertainty=_or_none(uncertainty, answer, on_part) if distributions and not notes[worst] else None,
-        warnings=(
-            *(warning for warning in (checked if design is None else design).warnings if warning not in unused),
+        uncertainty=_or_none(uncertainty, answer, on_part) if distributions and not wrongly_placed[worst] else None,
+        notes=(
+            *(note for note in (checked if design is None else design).notes if note not in unused),
             *(() if limit is None else not_monotonic(limit)),
-            *dict.fromkeys(note for each in notes for note in each),
+            *dict.fromkeys(note for each in wrongly_placed for note in each),
         ),
     )
 
@@ -144,7 +144,7 @@ def scenario_report(contents: Contents, command: str, map_command: str = "") -> 
     `command` makes the report, and `map_command`, if any, the interactive page of the designs; the report shows both.
     """
     passed, lead = _verdict(contents)
-    caveats = [f"{words[:1].upper()}{words[1:]}." for words in phrases.said_of(contents.warnings)]
+    caveats = [f"{words[:1].upper()}{words[1:]}." for words in phrases.said_of(contents.notes)]
     return Report(
         title=contents.answer.subject(threats=contents.scenario.threat),
         lead=" ".join(filter(None, [lead, *caveats])),
@@ -241,11 +241,8 @@ def _requirements(contents: Contents) -> Card:
 
 
 def _warnings(contents: Contents) -> Iterator[str]:
-    """Yield all warnings, notes first, with the names of inputs instead of their keys."""
-    others = [warning for warning in contents.warnings if not isinstance(warning, Note)]
-    for warning in contents.warnings:
-        if not isinstance(warning, Note):
-            continue
+    """Yield all warnings, with the names of inputs instead of their keys."""
+    for warning in contents.notes:
         name = warning.key.removeprefix("uncertainty.")
         words = warning.key
         if warning.key.startswith("threat["):
@@ -253,10 +250,9 @@ def _warnings(contents: Contents) -> Iterator[str]:
             words = contents.threats[0].threat if len(contents.threats) == 1 else ""
         elif name in INPUTS or name in NAMES.values():
             words = in_words(name) if name == warning.key else f"distribution of the {in_words(name)}"
-        yield Note(warning.text, words, warning.brief, said=warning.said)
+        yield str(Note(warning.text, words))
     if error := contents.threat.model_error:
         yield from (f"the model error is {text}" for text in phrases.extrapolation(error))
-    yield from others
 
 
 def _sections(contents: Contents, command: str, map_command: str) -> Iterator[ReportSection]:

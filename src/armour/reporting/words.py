@@ -98,13 +98,13 @@ def requirement_words(row: Requirement) -> str:
     return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
 
 
-def said_of(warnings: Iterable[str], *kinds: str) -> list[str]:
-    """Return the texts of warnings that the answer itself must show, without repeats.
+def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
+    """Return the texts of notes that the answer itself must show, without repeats.
 
     `kinds` are values of `Note.said`, by default "caveat" and "too low".
     """
     kinds = kinds or ("caveat", "too low")
-    return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said in kinds))
+    return list(dict.fromkeys(note.text for note in notes if note.said in kinds))
 
 
 def threat_notes(scenario: Scenario | None) -> list[str]:

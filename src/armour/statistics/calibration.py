@@ -13,7 +13,7 @@ from scipy.special import ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, ballistic_limits
-from armour.errors import InputError, joined, listed, mistake
+from armour.errors import InputError, Note, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
@@ -190,7 +190,7 @@ class CalibrationResult(TableResult):
         in a library file.  None if the tests do not determine it, for example if none measured or shot at a ballistic
         limit, if properties of two materials or of the projectile were fitted, or if one of several inputs is not
         identified.
-    warnings : tuple of str
+    notes : tuple of Note
         A bad fit, tests out of line with the others, and ways in which tests are unlike those that the model was
         compared with before.
     own_tests : tuple of OwnTest
@@ -217,7 +217,7 @@ class CalibrationResult(TableResult):
     aicc: float | None = None
     laws: tuple[LawFit, ...] = ()
     evidence: Mapping[str, Any] | None = None
-    warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     own_tests: tuple[OwnTest, ...] = ()
     reason: str = ""
 
@@ -361,8 +361,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         notes = [f"of the entry, {result.reason}"]
     deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
     how_read = tests.read.warnings if tests.read else ()
-    warnings = (*left_out, *how_read, *_in_feet(tests), *implausible, *deviating, *result.warnings, *notes)
-    return replace(result, warnings=warnings)
+    before = *left_out, *how_read, *_in_feet(tests), *implausible, *deviating
+    return replace(result, notes=(*map(Note, before), *result.notes, *map(Note, notes)))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -454,11 +454,11 @@ def fit_by_law(
         p_value=fit.p_value,
         widened_by=fit.widened_by,
         aicc=fit.aicc,
-        warnings=(
-            *_bad_fit(fit),
-            *([ASSUMED] if too_few else []),
-            *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
-            *_outside_limits(tests),
+        notes=(
+            *map(Note, _bad_fit(fit)),
+            *([Note(ASSUMED)] if too_few else []),
+            *[Note(ONE_SIDED)] * (len({m.side for m in tests.measurements}) == 1 and bool(tests.measurements[0].side)),
+            *map(Note, _outside_limits(tests)),
             *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )

@@ -9,7 +9,7 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residu
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
 from armour.core.replaced import is_unchanged
-from armour.errors import NoAnswerError, refuse
+from armour.errors import NoAnswerError, Note, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -111,9 +111,9 @@ class Comparison(TableResult):
         }
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings on the ballistic limit by the model."""
-        return self.limit.warnings
+    def notes(self) -> tuple[Note, ...]:
+        """Notes on the ballistic limit by the model."""
+        return self.limit.notes
 
     def _words(self) -> str:
         return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s"

@@ -66,7 +66,7 @@ def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequen
 
 def _title(result: DesignResult) -> str:
     """Return the best design in a line, with the caveats of the model."""
-    return "; ".join([view.design_title(result), *said_of(result.warnings)])
+    return "; ".join([view.design_title(result), *said_of(result.notes)])
 
 
 def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:

@@ -65,16 +65,16 @@ def verdict(result: ImpactResult) -> VerdictLine:
 
 def verdict_words(result: ImpactResult, outcome: str) -> str:
     """Return the outcome, given in words, with the caveats of the model or, if it is not known, the reason."""
-    unknown = phrases.said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
+    unknown = phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
     words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
-    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.warnings) if caveat not in unknown)])
+    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown)])
 
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:
     """Return a line for each caveat of the model on a ballistic limit."""
-    unknown = phrases.said_of(result.warnings, "not known")
+    unknown = phrases.said_of(result.notes, "not known")
     lines = [VerdictLine(f"not known: {words}", good=False) for words in unknown]
-    return [*lines, *phrases.said_of(result.warnings)]
+    return [*lines, *phrases.said_of(result.notes)]
 
 
 def stage_table(result: ImpactResult) -> Table:

@@ -290,7 +290,7 @@ def pair_notes(result: DesignResult) -> list[str]:
 def pair_caveats(result: DesignResult) -> list[str]:
     """Return the caveats of the model on pairs other than the best, and on comparing metals of different strength."""
     metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
-    return phrases.said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
+    return phrases.said_of(result.notes, "pairs") + [METALS] * (len(metals) > 1)
 
 
 def offer_table(result: DesignResult) -> Table:
@@ -354,7 +354,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return the best design of a search, its frontier or a row for each pair of materials, and the Pareto front."""
     scenario: Scenario | None = result.question.get("scenario")
     required, best, named = required_margins(scenario), result.shown, list[Design](best_of_pairs(result))
-    shown: list[Table | str] = [*design_verdict(result), *phrases.said_of(result.warnings)]
+    shown: list[Table | str] = [*design_verdict(result), *phrases.said_of(result.notes)]
     if best is not None:
         answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
         error = [] if result.reason == "not known" else [phrases.error_note(best.model_error, answer)]
@@ -515,8 +515,8 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
 
 def outcome(result: CheckResult) -> str:
     """Return the verdict on an armour in a line, with the requirements not met and the caveats of the model."""
-    unknown = phrases.said_of(result.warnings, "not known") * (len(result.threats) > 1)
-    return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.warnings)])
+    unknown = phrases.said_of(result.notes, "not known") * (len(result.threats) > 1)
+    return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.notes)])
 
 
 def _outcome(result: CheckResult) -> str:
@@ -609,7 +609,7 @@ def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequenc
         parts = [(threat.threat, threat.verdict, finding(threat)) for threat in result.threats]
         parts += [("", row.verdict, phrases.requirement_words(row)) for row in result.requirements]
         rows += [(scenario.file, threat, VERDICTS[verdict], words) for threat, verdict, words in parts]
-        caveats += [(scenario.file, text) for text in phrases.said_of(result.warnings)]
+        caveats += [(scenario.file, text) for text in phrases.said_of(result.notes)]
     columns = [Column(label, prose=True) for label in ("scenario", "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
     texts, tables = (
