@@ -3,7 +3,6 @@
 from warnings import warn
 
 _TESTS_TO_SPREAD = "spread tests over the thicknesses that you will use, on two back plates at least"
-_RANGE = "give a range without a step"
 _TESTS_OF_PRIOR = "add the tests behind the prior to the table"
 _EACH_LAW = "fit the laws one by one and compare their leave-one-out errors"
 _WORDS = "then it is armour library WORDS"
@@ -12,7 +11,6 @@ _WORDS = "then it is armour library WORDS"
 LEAVING = {
     "plan tests": _TESTS_TO_SPREAD,
     "compile": "there, armour is compiled when it is built",
-    "optimise --refine": _RANGE,
     "calibrate --prior": _TESTS_OF_PRIOR,
     "calibrate --law all": _EACH_LAW,
     "library show": _WORDS,
@@ -22,7 +20,6 @@ LEAVING = {
     "library metals": _WORDS,
     "table.rivals": "compare other predictions with the values of validate --json",
     "plan_tests": _TESTS_TO_SPREAD,
-    "optimise(refine=True)": _RANGE,
     "calibrate(prior=True)": _TESTS_OF_PRIOR,
     'calibrate(law="all")': _EACH_LAW,
     "replacing equations": "there, with armour.equations(...) takes its place",

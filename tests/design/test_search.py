@@ -17,12 +17,10 @@ from armour.design.catalogue import Catalogue
 from armour.design.optimise import Design, optimise
 from armour.design.search import MARGIN_PARTS, distinct, undominated
 from armour.engine import batch
-from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from tests.design.results import best_of
-from tests.helpers.cases import CERAMICS, GIVEN, METALS, SCENARIOS, THREATS, catalogue, grid, offer, scenario, sourced
+from tests.helpers.cases import GIVEN, SCENARIOS, THREATS, catalogue, offer, scenario, sourced
 from tests.helpers.examples import examples
-from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -50,13 +48,12 @@ def test_who_governs_along_the_frontier():
         assert min(left.values()) >= -0.01
 
 
-def test_margins_do_not_depend_on_the_range_of_the_search():
+def test_the_best_does_not_depend_on_the_range_of_the_search():
     wide = optimise(catalogue())
     for ends in ({"velocity_max_m_s": 500.0}, {"velocity_min_m_s": 1500.0}):
         narrow = optimise(catalogue().replaced({"ballistic_limit": ends}))
-        assert best_of(narrow).margins_m_s == pytest.approx(best_of(wide).margins_m_s, abs=0.02)
         assert best_of(narrow).governing == best_of(wide).governing
-        assert best_of(narrow).ballistic_limit_m_s is None
+        assert best_of(narrow).ballistic_limit_m_s == pytest.approx(best_of(wide).ballistic_limit_m_s, abs=0.02)
 
 
 def test_without_a_catalogue_it_is_the_grid():
@@ -194,14 +191,13 @@ def test_a_search_in_portions(monkeypatch: pytest.MonkeyPatch):
     assert sum(counted) >= found.runs
 
 
-def test_thicknesses_that_are_free_come_to_the_refined_optimum():
+def test_thicknesses_that_are_free_come_to_the_optimum_of_the_paper():
     optimum = load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml")
-    refined = known(optimise(optimum, refine=True).refined)
     free = {"material": "AD85", "thickness_mm": {"min": 2.0, "max": 20.0}}
     metal = {"material": "5083-H3", "thickness_mm": {"min": 2.0, "max": 14.0}}
     best = best_of(optimise(optimum.replaced({"design": {"ceramic": [free], "backing": [metal]}})))
-    assert best.areal_density_kg_m2 == pytest.approx(refined.areal_density_kg_m2, abs=2e-4)
-    assert best.backing_thickness_mm == pytest.approx(refined.backing_thickness_mm, abs=0.05)
+    assert best.areal_density_kg_m2 == pytest.approx(54.21775, abs=2e-4)
+    assert best.backing_thickness_mm == pytest.approx(6.2034, abs=0.05)
     one = best_of(
         optimise(optimum.replaced({"design": {"ceramic": [free], "backing": [{**metal, "thickness_mm": [6.0]}]}}))
     )
@@ -228,9 +224,6 @@ def test_the_passing_thicknesses_may_end_below_the_greatest_on_offer():
     narrow = wide.replaced({"design.ceramic": [{**ceramic, "thickness_mm": {"min": 4.0, "max": 12.0}}]})
     best = best_of(optimise(narrow))
     assert best_of(optimise(wide)).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2, abs=2e-4)
-    case = load_scenario("wilkins", {"design.confidence": 0.9, "optimise": grid((6.0, 9.0, 1.0), (8.0, 9.0, 1.0))})
-    wilkins = optimise(case, refine=True)
-    assert known(wilkins.refined).areal_density_kg_m2 < best_of(wilkins).areal_density_kg_m2 - 0.1
 
 
 def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
@@ -266,20 +259,3 @@ def test_free_thicknesses_against_several_threats_are_the_least():
                 for threat in of.threat
             ]
             assert {simulate(each).outcome for each in against} == outcomes
-
-
-def test_refined_catalogues_are_free_between_their_thicknesses():
-    result = optimise(catalogue(ceramic=CERAMICS[:1], backing=METALS[:1]), refine=True)
-    assert result.refined is not None
-    assert result.refined.areal_density_kg_m2 < best_of(result).areal_density_kg_m2
-    assert min(result.refined.margins_m_s.values()) >= 0.0
-    # A list stays a list.
-    thin = {"material": "6061-T6", "thickness_mm": {"min": 4.0, "max": 4.5, "step": 0.5}}
-    listed = optimise(catalogue(ceramic=CERAMICS[1:], backing=[METALS[1], thin]), refine=True)
-    assert listed.refined == best_of(listed)
-
-
-def test_lists_cannot_be_refined():
-    one = {"material": "AD85", "thickness_mm": {"min": 8.0, "max": 8.0, "step": 1.0}}
-    with pytest.raises(InputError, match="--refine: needs a thickness given as a range"):
-        optimise(catalogue(ceramic=[CERAMICS[1], one], backing=METALS[1:]), refine=True)

@@ -21,7 +21,7 @@ from armour.reporting.formats import (
 from armour.reporting.pictures.design import draw_front_of_design
 from armour.reporting.pictures.drawing import BLUE, INK, PANEL, SOFT, VERMILION, Picture, Sheet, drawn, points
 from armour.reporting.report import Card, Report, ReportSection
-from armour.reporting.scenario_report import contents_of, scenario_report
+from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Column, Table
 from armour.reporting.views.validation import suite_report
 from armour.scenario.inputs import CERAMIC
@@ -47,7 +47,7 @@ SCENARIOS = {
 
 @cache
 def page_of(name: str) -> str:
-    return html_report(scenario_report(contents_of(SCENARIOS[name]()), "armour report '<b>'"))
+    return html_report(scenario_report(SCENARIOS[name](), "armour report '<b>'"))
 
 
 @cache
@@ -269,7 +269,7 @@ def test_layers_without_ballistic_effect_are_drawn_in_their_places():
     rest = {"thickness_mm": 0.5, "areal_density_kg_m2": 0.6}
     layers = [{"name": name, "place": place, **rest} for name, place in names.items()]
     of = scenario().replaced({"armour.layer": layers})
-    content = html_report(scenario_report(contents_of(of), "")).replace(NO_BREAK, " ")
+    content = html_report(scenario_report(of, "")).replace(NO_BREAK, " ")
     _, *caption = re.findall(r"</i>([\d.]+ mm [^<]*)</span>", content)
     assert caption == ["0.5 mm cover", "0.5 mm foil", "6.35 mm AD85", "0.5 mm glue", "6.35 mm 6061-T6", "0.5 mm liner"]
     drawn = [float(width) for width in re.findall(r'y="0" width="([\d.]+)" height="[\d.]+" fill="var', content)]

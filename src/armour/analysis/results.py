@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from math import nan
 from typing import Any, ClassVar, Self
@@ -71,11 +71,8 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, with None for NaN and infinity."""
-        plain: dict[str, Any] = finite(asdict(self))
-        if "notes" in plain:
-            del plain["notes"]
-            plain["warnings"] = self.warnings
-        return plain
+        data: dict[str, Any] = finite(_plain(self))
+        return data
 
     def __repr__(self) -> str:
         return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"
@@ -87,6 +84,20 @@ class Result:
     def _repr_html_(self) -> str | None:
         """Return the tables that the command prints, as HTML for a notebook; None if `_in_html` is not set."""
         return None if Result._in_html is None else Result._in_html(self)
+
+
+def _plain(value: Any) -> Any:
+    """Return plain data for a value: dictionaries for dataclasses, and the texts of the notes of a result."""
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [*map(_plain, value)]
+    if not is_dataclass(value):
+        return value
+    data = {item.name: getattr(value, item.name) for item in fields(value)}
+    if isinstance(value, Result) and data.pop("notes", None) is not None:
+        data["warnings"] = value.warnings
+    return _plain(data)
 
 
 @dataclass(frozen=True, repr=False)

@@ -212,7 +212,6 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, probability
 
 def optimise(
     scenario: Path = SCENARIO,
-    refine: bool = flag("Also find the best design with both layers free within their ranges.", "--refine"),
     csv: Path | None = file_option(
         "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
     ),
@@ -239,13 +238,11 @@ def optimise(
         designs, seconds = lazy.effort(loaded)
         threats = counted(len(loaded.threats()), "threat")
         runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
-        result = armour.optimise(loaded, refine=refine, on_progress=count)
+        result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
     files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
-    if refine:
-        runner.say_leaving("optimise --refine")
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
-    if source != "-" and result.shown is not None:
+    if source != "-":
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
@@ -263,11 +260,9 @@ def _map(
     `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
     """
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    verdict = [str(line) for line in lazy.design_verdict(result)]
-    if (best := result.best) is not None:  # what the page does not show: sampled probabilities, and own tests
-        own_tests = lazy.tested_here(best.model_error) if best.model_error else []
-        verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return lazy.design_page(scenario, command, needed, on_progress, verdict)
+    error = result.shown.model_error
+    own_tests = lazy.tested_here(error) if error else []  # which the page does not show
+    return lazy.design_page(scenario, command, needed, on_progress, [lazy.design_title(result), *own_tests])
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
@@ -429,8 +424,7 @@ def report(
             runner.say_leaving("table.rivals")
     else:
         with progress("armours") as count:
-            contents = lazy.contents_of(scenario, count, as_is=as_is)
-        content = lazy.scenario_report(contents, command, map_command)
+            content = lazy.scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
     write({output: lambda path: lazy.report_text(content, path)})

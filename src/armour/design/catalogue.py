@@ -15,7 +15,7 @@ from armour.engine import batch
 from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Materials, is_untested, lacks_sources
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, ROLES, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
@@ -271,12 +271,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
-    ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
-    metals = [scenario.entry("metal", layer.material) for layer in section.backing]
+    ceramics = [_entry(scenario, "ceramic", layer) if layer.material else None for layer in section.ceramic]
+    metals = [_entry(scenario, "backing", layer) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
     inputs = {
-        "ceramic": [_inputs_of_layer("ceramic", *pair) for pair in zip(ceramics, section.ceramic, strict=True)],
-        "backing": [_inputs_of_layer("backing", *pair) for pair in zip(metals, section.backing, strict=True)],
+        "ceramic": [{} if entry is None else inputs_of_entry("ceramic", entry) for entry in ceramics],
+        "backing": [inputs_of_entry("backing", entry) for entry in metals],
         "projectile": [
             {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", projectile)}
             for threat, projectile in zip(threats, projectiles, strict=True)
@@ -354,12 +354,14 @@ def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Probl
         yield Problem(file, "threat", message)
 
 
-def _inputs_of_layer(role: str, entry: LibraryEntry | None, layer: Layer) -> dict[str, float]:
-    """Return the values of the inputs of a layer's material, by name; none without a material."""
-    if entry is None:
-        return {}
-    inputs = inputs_of_entry(role, entry)
-    return inputs if layer.density_kg_m3 is None else inputs | {f"{role}.density_kg_m3": layer.density_kg_m3}
+def _entry(scenario: Scenario, role: str, layer: Layer) -> LibraryEntry:
+    """Return the entry of a layer's material, with the density that the layer gives."""
+    if layer.density_kg_m3 is None:
+        return scenario.entry(ROLES[role], layer.material)
+    changes = {NAMES[role]: layer.material, f"{role}.density_kg_m3": layer.density_kg_m3}
+    entry = scenario.replaced(changes).entry_of(role)
+    assert entry is not None
+    return entry
 
 
 def _parameters(inputs: Mapping[str, float]) -> list[float]:

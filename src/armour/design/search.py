@@ -75,16 +75,16 @@ def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
     return front[np.isin(front, distinct_rows)]
 
 
-def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = (), *, refine: bool = False) -> CandidateDesigns:
+def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = ()) -> CandidateDesigns:
     """Return the candidate designs of a catalogue.
 
-    With ``refine``, all ranges are free between their values.  Free thicknesses are refined by the objective and by
-    each of the criteria of a Pareto front.  If the margin is a criterion, there are also designs with greater margins.
+    Free thicknesses are refined by the objective and by each of the criteria of a Pareto front.  If the margin is a
+    criterion, there are also designs with greater margins.
     """
     catalogue = search.catalogue
     columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN_COLUMN]
     pairs = range(len(catalogue.offers))
-    parts = [_of_pair(search, pair, columns, refine=refine) for pair in pairs]
+    parts = [_of_pair(search, pair, columns) for pair in pairs]
     if MARGIN_COLUMN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(search, pair, columns)]
     return CandidateDesigns.joined(parts)
@@ -107,20 +107,18 @@ def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
         raised = replace(catalogue, margins_m_s=catalogue.margins_m_s + margin)
-        parts.append(_of_pair(replace(search, catalogue=raised), pair, columns, refine=False, verify=False))
+        parts.append(_of_pair(replace(search, catalogue=raised), pair, columns, verify=False))
     return parts
 
 
-def _of_pair(
-    search: FreeThicknesses, pair: int, columns: Sequence[str], *, refine: bool, verify: bool = True
-) -> CandidateDesigns:
+def _of_pair(search: FreeThicknesses, pair: int, columns: Sequence[str], *, verify: bool = True) -> CandidateDesigns:
     """Return the candidate designs of a pair; a free thickness is NaN if no value of it passes.
 
     If both thicknesses are free, they are refined around the best design by each of the named columns.  `verify` is
     explained at `_least`.
     """
     catalogue, offer = search.catalogue, search.catalogue.offers[pair]
-    ceramic, backing = (layer.free_range(refine=refine) for layer in (offer.ceramic, offer.backing))
+    ceramic, backing = (layer.free_range() for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
 
     def least(layer: str, free_range: Range | FreeRange, other_mm: Floats) -> CandidateDesigns:

@@ -225,10 +225,10 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     if answer.probability_of_stopping is not None:
         error = answer.model_error
         return [SAMPLED_ALONE if error is None else model_error_words(error)]
-    unknown = f"{STOPPING.label}: unknown, {answer.reason}"
+    notes = [f"{STOPPING.label}: unknown, {answer.reason}"]
     if (at_normal := answer.probability_at_normal_incidence) is not None:
-        unknown += f"; at 0°: {chance(at_normal)}, and bare plates stop cores at least as well"
-    return [unknown, *flow_stress_notes(answer.flow_stress)]
+        notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
+    return [*notes, *flow_stress_notes(answer.flow_stress)]
 
 
 def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:

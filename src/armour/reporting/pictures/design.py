@@ -18,7 +18,7 @@ from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
-from armour.reporting.words import chance, said_of
+from armour.reporting.words import chance
 from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis;
@@ -61,12 +61,7 @@ def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequen
     if layer:
         return _draw_lines(result, layer, maps, sheet)
     panel = _Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())
-    return _draw_panels(_title(result), [panel, *below], sheet)
-
-
-def _title(result: DesignResult) -> str:
-    """Return the best design in a line, with the caveats of the model."""
-    return "; ".join([view.design_title(result), *said_of(result.notes)])
+    return _draw_panels(view.design_title(result), [panel, *below], sheet)
 
 
 def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -92,8 +87,7 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     """
     catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-    design = result.reported
-    best = 0 if design is None else names.index((design.ceramic, design.backing))
+    best = names.index((result.shown.ceramic, result.shown.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
     probabilities = tuple({1.0 - USUAL_CHANCE, 0.5, USUAL_CHANCE, *filter(None, confidences)})
 
@@ -131,7 +125,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     note += f" Bands show {' or '.join(bands)}." if bands else ""
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(view.design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
@@ -155,8 +149,8 @@ class _Map:
 
     @cached_property
     def governing(self) -> int:
-        """Index of the governing threat of the best or nearest design; 0 without either."""
-        return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
+        """Index of the governing threat of the best or nearest design."""
+        return self.result.threats.index(self.result.shown.governing)
 
     def surely_m_s(self, confidences: Sequence[float]) -> Any:
         """Return how far the stopped velocity exceeds that of the threat, m/s, (ceramics, back plates).
@@ -179,7 +173,7 @@ class _Map:
         margins_m_s = self.catalogue.margins_m_s
         above_m_s = self.grid.limits_m_s - self.catalogue.velocities_m_s - margins_m_s
         label = f"stopped in {percent(largest)} of cases or more"
-        margin = " + margin" * bool(view.required_margins(self.catalogue.scenario))
+        margin = " + margin" * bool(margins_m_s.any())
         if any(self.confidences):
             limited = (margins_m_s > 0.0) | [level is None for level in self.confidences]
             required = np.minimum(required, np.where(limited, above_m_s, np.inf).min(axis=-1))
@@ -219,11 +213,9 @@ class _Map:
         for design, look in self._marked():
             value = getattr(design, self.result.minimised)
             place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
-            if name:
-                line: Any = {"linestyle": ":", "color": look["color"]}
-                drawing.contours(axes, x, y, objective, [value], **line)
-                drawing.name_point(axes, *place, name, above=look.get("filled", True))
-            drawing.points(axes, place[:1], place[1:], [name or look["label"]], **look)
+            drawing.contours(axes, x, y, objective, [value], linestyle=":", color=look["color"])
+            drawing.name_point(axes, *place, name, above=look.get("filled", True))
+            drawing.points(axes, place[:1], place[1:], [name], **look)
 
     @cached_property
     def over_sources(self) -> Any:
@@ -285,22 +277,19 @@ class _Map:
         return np.array([bool(outside) for outside in outside_tests(rows.armours, rows.velocities)])
 
     def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
-        """Yield the designs to mark, with their style: the best at 50 %, the refined one, and the best or nearest."""
+        """Yield the designs to mark, with their style: the best at 50 %, and the best or nearest."""
         large = {"markersize": 9.0}
         if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
             half = lightest(self.catalogue, self.grid.pair, 0.5)
             if half is not None:
                 name = self._named(half, "50 % or more")
                 yield half, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
-        if (refined := self.result.refined) is not None:
-            label = f"refined: {_design_text(refined, self.result.minimised)}"
-            yield refined, {"marker": "D", "color": drawing.GREEN, "label": label, "name": ""}
-        if (best := self.result.shown) is not None:
-            probability = view.least_probability(best)
-            name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
-            name += "\noutside the tests" if best.outside_tests else ""
-            colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
-            yield best, {**large, "name": name, "color": colour}
+        best = self.result.shown
+        probability = view.least_probability(best.check)
+        name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
+        name += "\noutside the tests" if best.outside_tests else ""
+        colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
+        yield best, {**large, "name": name, "color": colour}
 
     def _named(self, design: Design, probability_text: str) -> str:
         """Return the name of a design: its thicknesses, its objective, and the text on its probability."""
@@ -388,9 +377,7 @@ def _front_panel(result: DesignResult) -> _Panel:
             for outside, some in grouped(designs, lambda design: bool(design.outside_tests)).items():
                 label = name + " (outside the tests)" * outside
                 draw_designs(axes, some, label, filled=not outside, **drawing.look_of(index))
-        if result.shown is not None:
-            name = "nearest" if result.reason else "best"
-            draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
+        draw_designs(axes, [result.shown], "nearest" if result.reason else "best", markersize=3.0, color=drawing.INK)
         axes.set(xlabel=view.OBJECTIVE_WORDS[keys[0]].heading, ylabel=view.OBJECTIVE_WORDS[keys[1]].heading)
 
     notes = []
