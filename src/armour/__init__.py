@@ -20,14 +20,8 @@ MODEL_VERSION = "1.6"
 @cache
 def _public() -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """Attach the public names on the first use of one, which the command line can start without."""
-    from importlib import import_module
-
     import lazy_loader
 
-    from armour.analysis.results import Result
-
-    # A notebook shows a result as its tables, which belong to a layer above the results: the layers meet here.
-    Result._in_html = lambda result: import_module("armour.reporting.show").in_html(result)
     return lazy_loader.attach_stub(__name__, __file__)
 
 

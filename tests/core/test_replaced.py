@@ -15,7 +15,7 @@ import armour
 from armour.core import equations, search
 from armour.core.replaced import replaced_in_words
 from armour.errors import InputError
-from armour.reporting.views.design import outcome
+from armour.reporting.by_result import in_a_line
 from armour.scenario import checked
 
 
@@ -132,7 +132,7 @@ def test_results_name_a_replaced_function(monkeypatch: pytest.MonkeyPatch):
         assert words in function(scenario).warnings
     [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
     assert warning == f"{words}; this concerns 2 of 2 rows"
-    assert words in outcome(armour.check(scenario))
+    assert words in in_a_line(armour.check(scenario))
 
 
 def test_a_calibration_by_a_replaced_function_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

@@ -11,10 +11,11 @@ import armour
 from armour.core import equations
 from armour.core.state import Parameters
 from armour.evidence.caveats import long_rod
+from armour.reporting.by_result import in_a_line
 from armour.reporting.design_page import design_page
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
-from armour.reporting.views.design import check_junit, outcome, tables_of_design
+from armour.reporting.views.design import check_junit, tables_of_design
 from armour.reporting.words import said_of
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario
@@ -44,7 +45,7 @@ def test_no_answer_passes_an_armour_on_what_is_no_metal():
     checked, impact = armour.check(laminate), armour.simulate(laminate)
     assert impact.outcome == "stopped"
     assert checked.verdict == "not known"
-    assert outcome(checked) == f"not known: {NO_METAL}"
+    assert in_a_line(checked) == f"not known: {NO_METAL}"
     assert tables_of_impact(impact)[0] == f"not known: stopped by the model, but {NO_METAL}"
     assert tables_of_limit(armour.ballistic_limit(laminate))[0] == f"not known: {NO_METAL}"
     assert f'message="not known: {NO_METAL}"' in _xml(checked, laminate)
@@ -73,12 +74,12 @@ def test_a_search_judges_the_metals_alone():
     found = armour.optimise(on(980.0, design={"ceramic": ceramics, "backing": backings}))
     assert found.best is not None
     assert {pair.backing: pair.best is None for pair in found.pairs} == {"6061-T6": False, "X": True}
-    assert outcome(known(found.pairs[1].nearest).check) == f"not known: {NO_METAL}"
+    assert in_a_line(known(found.pairs[1].nearest).check) == f"not known: {NO_METAL}"
     slow = {"projectile": "7.62 mm AP", "velocity_m_s": 1500.0}
     none = armour.optimise(on(980.0, threat=[slow], design={"ceramic": ceramics, "backing": backings}))
     assert (none.reason, none.shown.backing) == ("not known", "X")
     alone = armour.optimise(on(980.0, design={"ceramic": ceramics, "backing": backings[:1]}))
-    assert (alone.reason, outcome(alone.shown.check)) == ("not known", f"not known: {NO_METAL}")
+    assert (alone.reason, in_a_line(alone.shown.check)) == ("not known", f"not known: {NO_METAL}")
     thin = {"ceramic": ceramics, "backing": backings[:1], "thickness_max_mm": 5.0}
     assert armour.optimise(on(980.0, design=thin)).reason == "none passes"
 
@@ -89,8 +90,8 @@ def test_a_search_judges_the_metals_alone():
 def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, question: bool | None):
     checked = armour.check(on(density))
     assert (checked.verdict == "not known") is (question is None)
-    assert outcome(checked).count("a metal?") == bool(question)
-    assert f"{int(density):,} kg/m³" in outcome(checked) or question is False
+    assert in_a_line(checked).count("a metal?") == bool(question)
+    assert f"{int(density):,} kg/m³" in in_a_line(checked) or question is False
 
 
 def test_a_search_tells_of_each_density_once():
@@ -128,7 +129,7 @@ def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     )
     [words] = said(armour.simulate(rod))
     assert "3.0 times its length into this plate, 2.0 times the hydrodynamic depth" in words
-    assert words in outcome(armour.check(rod))
+    assert words in in_a_line(armour.check(rod))
     assert [text for text in said(armour.simulate(core)) if text.startswith("a long rod")] == []
 
 
@@ -150,7 +151,7 @@ def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
     is_too_low, checked, impact = verdict == "not known", armour.check(rod), armour.simulate(rod)
     assert impact.outcome == "perforated"
     assert (checked.verdict, armour.check(rod.replaced({"design": {"confidence": 0.9}})).verdict) == (verdict, verdict)
-    assert outcome(checked).endswith("the limit is too low") is is_too_low
+    assert in_a_line(checked).endswith("the limit is too low") is is_too_low
     assert str(tables_of_impact(impact)[0]).startswith("not known: perforated by the model, but") is is_too_low
     layers: dict[str, Any] = {"backing": [{"material": plate, "thickness_mm": [8.0, 10.0]}]}
     layers |= {"ceramic": [{"material": ceramic, "thickness_mm": hc}]} if ceramic else {}
@@ -211,7 +212,7 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     rounds = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm APM2", "12.7 mm APM2")]
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
     impact, checked = armour.simulate(thin), armour.check(thin)
-    assert outcome(checked).endswith(f"; {words}")
+    assert in_a_line(checked).endswith(f"; {words}")
     assert tables_of_impact(impact)[0] == f"stopped; {words}"
     assert tables_of_limit(armour.ballistic_limit(thin))[0] == words
     assert words in scenario_report(thin, "").lead.replace("No ceramic", "no ceramic")
@@ -268,7 +269,7 @@ def test_answers_say_where_tests_contradict_the_model(
     checked = armour.check(case)
     texts = said(checked)
     assert [words for text in texts for words in (SHORT, DENSE, STEEL, LOTS) if text.startswith(words)] == expected
-    assert [text in outcome(checked) for text in texts] == [True] * len(texts)
+    assert [text in in_a_line(checked) for text in texts] == [True] * len(texts)
     assert (said(armour.simulate(case)), tables_of_limit(armour.ballistic_limit(case))[: len(texts)]) == (texts, texts)
     [output] = check_junit(checked, case, 0.0, {}).iter("system-out")
     assert (output.text or "").splitlines()[1:] == texts

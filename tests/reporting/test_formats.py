@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from math import dist
 from xml.etree import ElementTree
 
@@ -18,7 +18,7 @@ from armour.reporting.formats import (
     markdown_table,
     markdown_text,
 )
-from armour.reporting.pictures.design import draw_front_of_design
+from armour.reporting.pictures.design import _front_panel
 from armour.reporting.pictures.drawing import BLUE, INK, PANEL, SOFT, VERMILION, Picture, Sheet, drawn, points
 from armour.reporting.report import Card, Report, ReportSection
 from armour.reporting.scenario_report import scenario_report
@@ -203,8 +203,14 @@ def test_identifiers_of_two_charts_differ_and_refer_to_each_other():
 
 @pytest.mark.parametrize("name", ["<!--</svg><script>alert(1)</script>url(#x)", "a\x08\x00\u2028b"])
 def test_names_are_text(name: str):
-    drawing = partial(draw_front_of_design, design_result(ceramic=name, pareto=True))
-    content = inline_svg(drawn(drawing, Sheet(WIDTH_INCHES), title=""), name, "c")
+    panel = _front_panel(design_result(ceramic=name, pareto=True))
+
+    def front(sheet: Sheet) -> Picture:
+        picture = sheet.panels(name, 3.0)
+        panel.draw(picture.axes[0])
+        return picture
+
+    content = inline_svg(drawn(front, Sheet(WIDTH_INCHES), title=""), name, "c")
     assert "<script" not in content
     assert "<!--" not in content
     shown = "".join(ElementTree.fromstring(content).itertext())

@@ -8,12 +8,12 @@ from armour import __version__
 from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.evidence.model_error import NO_TEST
-from armour.reporting.by_result import tables_of
+from armour.reporting.by_result import in_a_line, tables_of
 from armour.reporting.formats import markdown_report
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Table
-from armour.reporting.views.design import AREAL_DENSITY, COST, outcome, tables_of_search
+from armour.reporting.views.design import AREAL_DENSITY, COST, tables_of_search
 from armour.reporting.words import chance, model_error_words
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.sensitivity import sensitivity
@@ -66,7 +66,7 @@ def of_section(section: ReportSection) -> tuple[list[list[list[str]]], list[str]
 def test_the_report_is_about_the_best_design_as_the_search_and_a_check_show_it(name: str):
     found, report = optimise(shipped(name)), reported(name)
     best = best_of(found)
-    words = outcome(best.check)
+    words = in_a_line(best.check)
     assert report.lead == f"{words[:1].upper()}{words[1:]}."
     assert of_section(section(report, "Threats")) == shown(tables_of(best.check.of(every_row=True))[1:])
     designs = section(report, "Designs")

@@ -192,9 +192,6 @@ class LimitResult(Result):
     whole_areal_density_kg_m2: float = 0.0
     reason: str = ""
 
-    def _words(self) -> str:
-        return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
-
 
 @checked
 def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) -> LimitResult:
@@ -376,12 +373,6 @@ class ConfidenceResult(Result):
     interval_m_s: tuple[float, float] | None = None
     probability_at_normal_incidence: float | None = None
     flow_stress: NeededFlowStress | None = None
-
-    def _words(self) -> str:
-        if self.probability_of_stopping is None:
-            return "probability of stopping the projectile not known"
-        at_least = "at least " if self.model_error is not None and self.model_error.at_least else ""
-        return f"probability of stopping the projectile {at_least}{self.probability_of_stopping:.3f}"
 
 
 @checked

@@ -44,8 +44,6 @@ class Result:
         those of this program, in words; ``every_row``, whether to show all rows.  Each may be missing.
     """
 
-    # Returns the tables of a result as HTML.  Tables belong to a higher layer, so `armour/__init__.py` sets this.
-    _in_html: ClassVar[Callable[["Result"], str] | None] = None
     question: ClassVar[Mapping[str, Any]] = {}
 
     @property
@@ -75,15 +73,14 @@ class Result:
         return data
 
     def __repr__(self) -> str:
-        return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"
-
-    def _words(self) -> str:
-        """Return the main numbers of the result in one line."""
-        raise NotImplementedError
+        # How results are shown belongs to a higher layer.
+        line: str = import_module("armour.reporting.by_result").in_a_line(self)
+        return f"<{': '.join(filter(None, [type(self).__name__, *self.heading()[:1], line]))}>"
 
     def _repr_html_(self) -> str | None:
-        """Return the tables that the command prints, as HTML for a notebook; None if `_in_html` is not set."""
-        return None if Result._in_html is None else Result._in_html(self)
+        """Return the tables that the command prints, as HTML for a notebook; None if there are none."""
+        in_html: str | None = import_module("armour.reporting.show").in_html(self)
+        return in_html
 
 
 def _plain(value: Any) -> Any:
@@ -116,9 +113,6 @@ class EachResult(Result):
         """Return the results as plain data, by name."""
         results = {name: result.to_dict() for name, result in self.results.items()}
         return {**results, **{name: {"no_answer": reason} for name, reason in self.unanswered.items()}}
-
-    def _words(self) -> str:
-        return ", ".join((*self.results, *self.unanswered))
 
 
 @dataclass(frozen=True, repr=False)

@@ -262,7 +262,7 @@ def _map(
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
     error = result.shown.model_error
     own_tests = lazy.tested_here(error) if error else []  # which the page does not show
-    return lazy.design_page(scenario, command, needed, on_progress, [lazy.design_title(result), *own_tests])
+    return lazy.design_page(scenario, command, needed, on_progress, [lazy.in_a_line(result), *own_tests])
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:

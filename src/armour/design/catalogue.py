@@ -40,9 +40,8 @@ NO_BOUND = 1.0
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN_COLUMN = "margin_m_s"
-# Number of back plate thicknesses with which a search starts if both layers are free: in a range without a step, and at
-# most in a range with one.
-FIRST_VALUES, MOST_VALUES = 41, 100
+# Number of back plate thicknesses with which a search starts if both layers are free.
+FIRST_VALUES = 41
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 SUM_DECIMALS = 9
 # Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
@@ -80,12 +79,8 @@ class CandidateDesigns(NamedTuple):
         return CandidateDesigns(pair[where], *(column[where] for column in numbers))
 
 
-def first_backings(backing: Range | FreeRange) -> tuple[Floats, float]:
+def first_backings(backing: FreeRange) -> tuple[Floats, float]:
     """Return the back plate thicknesses at which a search with both layers free starts, mm, and their distance, mm."""
-    if isinstance(backing, Range):
-        thicknesses = backing.values()
-        stride = -(-len(thicknesses) // MOST_VALUES)
-        return np.array(thicknesses[::stride]), stride * backing.step
     values, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
     return values, float(width)
 
@@ -227,8 +222,8 @@ class Catalogue:
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
-            if layer.free_range(refine=True):
-                values = layer.thicknesses()
+            values = layer.thicknesses()
+            if isinstance(layer.thickness_mm, Range | FreeRange) and values[0] < values[-1]:
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
         return ranges
 

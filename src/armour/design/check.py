@@ -175,9 +175,6 @@ class CheckResult(TableResult):
             rows += [given | judged, *changed]
         return by_column(rows)
 
-    def _words(self) -> str:
-        return self.verdict
-
 
 @checked
 def check(

@@ -255,10 +255,6 @@ class DesignResult(TableResult):
         columns = {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
         return columns | {"outside_tests": list(map(outside_words, columns["outside_tests"]))}
 
-    def _words(self) -> str:
-        nearest = f"{self.reason}, nearest " if self.reason else ""
-        return f"{nearest}{armour_in_words(self.shown)}, {self.shown.areal_density_kg_m2:.2f} kg/m²"
-
 
 def armour_in_words(design: Design) -> str:
     """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""

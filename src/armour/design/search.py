@@ -14,7 +14,7 @@ from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, le
 from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import COST_COLUMN, MARGIN_COLUMN, CandidateDesigns, Catalogue, first_backings
 from armour.design.designs import PASSES, Designs, Runs, measured, verdicts_of
-from armour.scenario.schema import FreeRange, Range
+from armour.scenario.schema import FreeRange
 
 # Least differences that matter on a Pareto front, by criterion: kg/m², mm and, for costs, a fraction of the lowest.
 RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST_COLUMN: 0.001}
@@ -121,7 +121,7 @@ def _of_pair(search: FreeThicknesses, pair: int, columns: Sequence[str], *, veri
     ceramic, backing = (layer.free_range() for layer in (offer.ceramic, offer.backing))
     ceramics, backings = (np.array(layer.thicknesses()) for layer in (offer.ceramic, offer.backing))
 
-    def least(layer: str, free_range: Range | FreeRange, other_mm: Floats) -> CandidateDesigns:
+    def least(layer: str, free_range: FreeRange, other_mm: Floats) -> CandidateDesigns:
         """Return the designs with the least thickness of a free layer for each thickness of the other layer, mm."""
 
         def designs(values: Floats, other_mm: Floats) -> CandidateDesigns:
@@ -160,7 +160,7 @@ def _of_pair(search: FreeThicknesses, pair: int, columns: Sequence[str], *, veri
 
 def _least(
     search: FreeThicknesses,
-    free_range: Range | FreeRange,
+    free_range: FreeRange,
     designs: Callable[[Floats, Floats], CandidateDesigns],
     other_mm: Floats,
     *,

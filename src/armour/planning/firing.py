@@ -12,7 +12,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.errors import Note, Problem, counted, mistake, refuse
+from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import ModelError
 from armour.planning import procedures
 from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
@@ -183,12 +183,6 @@ class ShotPlan(Result):
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
     notes: tuple[Note, ...] = ()
-
-    def _words(self) -> str:
-        count = counted(len(self.fired.complete), "shot")
-        if self.next_velocity_m_s is None:
-            return f"{count}, {self.stopped}"
-        return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"
 
 
 @checked

@@ -15,7 +15,7 @@ from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.evaluate import check_keys, scenarios_of
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import MAX_PROBLEMS, Note, Problem, choices, counted, mistake, refuse, restated
+from armour.errors import MAX_PROBLEMS, Note, Problem, choices, mistake, refuse, restated
 from armour.leaving import warn_leaving
 from armour.planning import optimal_design
 from armour.planning.optimal_design import Task
@@ -137,11 +137,6 @@ class PlannedTests(TableResult):
     sensitivities: tuple[float, ...]
     confidence: float
     notes: tuple[Note, ...]
-
-    def _words(self) -> str:
-        least = "" if self.efficiency is None else f", {self.criterion}-efficiency {self.efficiency:.3f}"
-        tests, candidates = len(self.planned) - 1, len(next(iter(self.candidates.values())))
-        return f"{counted(tests, 'test')} of {counted(candidates, 'candidate')}{least}"
 
     def _columns(self) -> Mapping[str, Any]:
         rows = []

@@ -39,7 +39,6 @@ class ReportSection:
     tables: tuple[Table, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()  # names, each with a text
     folded: bool = False  # whether HTML shows the heading alone until a reader opens the section
-    drawn: bool = False  # whether HTML leaves out the tables, because the pictures show the same numbers
 
 
 @dataclass(frozen=True)

@@ -373,12 +373,10 @@ class Layer(Section):
         """Return the cost of the layer per m²; 0 if its thickness is 0."""
         return self.cost_per_kg * density_kg_m3 * thickness_mm * MM + self.cost_per_m2 * (thickness_mm > 0.0)
 
-    def free_range(self, *, refine: bool = False) -> Range | FreeRange | None:
-        """Return the continuous range of thicknesses, with `refine` also one with a step; None if there is none."""
+    def free_range(self) -> FreeRange | None:
+        """Return the continuous range of thicknesses; None if there is none."""
         thickness = self.thickness_mm
-        if isinstance(thickness, list) or thickness.min == thickness.max:
-            return None
-        return thickness if refine or isinstance(thickness, FreeRange) else None
+        return thickness if isinstance(thickness, FreeRange) and thickness.min < thickness.max else None
 
     def thicknesses(self) -> tuple[float, ...]:
         """Return the thicknesses, mm, or the ends of a continuous range."""

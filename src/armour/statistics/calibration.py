@@ -221,13 +221,6 @@ class CalibrationResult(TableResult):
     own_tests: tuple[OwnTest, ...] = ()
     reason: str = ""
 
-    def _words(self) -> str:
-        fitted = (
-            f"{c.name} {'not identified' if c.estimate is None else f'{c.estimate:.4g}'}" for c in self.coefficients
-        )
-        error = "" if self.mean_error_percent is None else f", mean error {self.mean_error_percent:.2f} %"
-        return f"{', '.join(fitted)}{error}"
-
     def _columns(self) -> dict[str, Any]:
         return by_column(asdict(residual) for residual in self.residuals)
 

@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.evaluate import QuantityValues
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import ballistic_limits, concatenated, variants_of
-from armour.errors import NoAnswerError, Note, counted
+from armour.errors import NoAnswerError, Note
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import VELOCITY
@@ -59,9 +59,6 @@ class SensitivityResult(TableResult):
     answers: Mapping[str, float | None]
     inputs: tuple[Elasticity, ...]
     notes: tuple[Note, ...] = ()
-
-    def _words(self) -> str:
-        return f"{counted(len(self.inputs), 'input')}, of which {self.inputs[0].input} changes the ballistic limit most"
 
     def _columns(self) -> dict[str, Any]:
         return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)

@@ -204,10 +204,6 @@ class UncertaintyResult(TableResult):
     notes: tuple[Note, ...]
     model_error: ModelError | None = None
 
-    def _words(self) -> str:
-        p = self.probability_of_perforation
-        return f"probability of perforation {p.value:.3f}, {p.low:.3f} to {p.high:.3f}, {self.samples} samples"
-
     def _columns(self) -> dict[str, Any]:
         return asdict(self.curve)
 

@@ -16,7 +16,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Note, Problem, counted, mistake, refuse
+from armour.errors import Note, Problem, mistake, refuse
 from armour.foreign import items
 from armour.scenario.checked import Table, checked, is_number, several
 from armour.scenario.keys import describe
@@ -310,14 +310,6 @@ class FiringResult(TableResult):
             {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
             for velocity, *ends in zip(velocities, low.tolist(), high.tolist(), strict=True)
         ]
-
-    def _words(self) -> str:
-        if self.posterior is not None:
-            return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {counted(self.shots, 'shot')}"
-        fit = self.recommended or self.fits[0]
-        if self.extrapolated:
-            return f"V50 not bounded by {counted(self.shots, 'shot')}"
-        return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {counted(self.shots, 'shot')}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))

@@ -137,10 +137,6 @@ class SweepResult(TableResult):
             for name, values in self.columns.items()
         }
 
-    def _words(self) -> str:
-        where = "" if self.output is None else f", in {self.output}"
-        return f"{', '.join(self.quantities)} over {' and '.join(self.keys)}, {counted(self.rows, 'row')}{where}"
-
     def _columns(self) -> Mapping[str, Any]:
         return self.columns
 

@@ -115,9 +115,6 @@ class Comparison(TableResult):
         """Notes on the ballistic limit by the model."""
         return self.limit.notes
 
-    def _words(self) -> str:
-        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s"
-
     def _columns(self) -> dict[str, Any]:
         names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
         return {name: [getattr(impact, name) for impact in self.curve] for name in names}

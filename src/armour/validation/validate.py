@@ -194,9 +194,6 @@ class SuiteResult(TableResult):
             "errors": [vars(error) for error in self.errors],
         }
 
-    def _words(self) -> str:
-        return f"{self.count('within')} of {self.count('within', *FAILED)} within their bands"
-
     def _columns(self) -> dict[str, Any]:
         return by_column(check.to_dict() for check in self.checks)
 

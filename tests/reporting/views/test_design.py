@@ -7,14 +7,13 @@ from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.design.check import check
 from armour.design.optimise import DesignOfFront, DesignResult, Pair, optimise
 from armour.design.requirements import Requirement
+from armour.reporting.by_result import in_a_line
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Table
 from armour.reporting.views.design import (
-    design_title,
     front_table,
     frontier_table,
     left_out,
-    outcome,
     outside_notes,
     pair_table,
     requirement_table,
@@ -54,7 +53,7 @@ def test_pairs_of_materials_with_the_reasons_of_those_that_lose():
     assert kinds(result)[-1] == "pairs of materials"
     *results, nearest = [row[-1] for row in table.rows]
     assert results == ["lightest", "runner-up: 4.0 % heavier", "none within 5 % of the best passes"]
-    assert nearest == outcome(best_design().check)
+    assert nearest == in_a_line(best_design().check)
     assert table.texts()[2][1:-1] == [""] * 4
     assert headings(table)[3] == "cost per m²"
     assert "cost per m²" not in headings(pair_table(replace(result, pairs=pairs[:1])))
@@ -158,7 +157,7 @@ def test_every_metal_that_is_compared_is_named_for_its_kind_of_strength():
     found = optimise(scenario(velocity=500.0, design={**layers, "minimise": "cost_per_m2"}))
     assert best_of(found).backing == "6061-T6"
     assert any("the yield strength of ARMOX500 is static" in warning for warning in found.warnings)
-    assert re.search(r", cost \d+\.\d\d per m²", design_title(found))
+    assert re.search(r", cost \d+\.\d\d per m²", in_a_line(found))
 
 
 def test_answers_say_of_a_named_threat_that_its_standard_was_not_read():
@@ -187,10 +186,12 @@ def test_the_verdict_stands_before_what_is_not_known_and_without_what_is_met():
         "7.62 mm AP", "SiC", "6061-T6", 12.0, 6.0, velocity=500.0, design={"areal_density_max_kg_m2": 40.0}
     )
     unknown = check(heavy.replaced({"threat": threats, "design.confidence": 0.8}))
-    assert outcome(unknown).startswith("FAILS: areal density 54.46 kg/m², at most 40 kg/m² allowed; not known against ")
+    assert in_a_line(unknown).startswith(
+        "FAILS: areal density 54.46 kg/m², at most 40 kg/m² allowed; not known against "
+    )
     known = check(heavy.replaced({"armour.ceramic": "AD85", "design.confidence": 0.8}))
     assert known.threats[0].verdict == "passes"
-    assert outcome(known) == "FAILS: areal density 57.66 kg/m², at most 40 kg/m² allowed"
+    assert in_a_line(known) == "FAILS: areal density 57.66 kg/m², at most 40 kg/m² allowed"
 
 
 def test_a_sampled_probability_lies_within_its_interval_as_shown():
@@ -216,7 +217,7 @@ def test_a_pair_outside_the_limits_has_its_nearest_design_and_what_it_exceeds():
     words = [row[-1] for row in pair_table(found).texts()]
     assert all(re.fullmatch(r"FAILS: areal density .* at most 30 kg/m² .* required.*", each) for each in words)
     slow = optimise(scenario(velocity=300.0, design={**layers, "areal_density_max_kg_m2": 30.0}))
-    assert design_title(slow) == (
+    assert in_a_line(slow) == (
         "None passes; the nearest: 6 mm AD85 on 6 mm 6061-T6, 37.08 kg/m²; "
         "FAILS: areal density 37.08 kg/m², at most 30 kg/m² allowed"
     )

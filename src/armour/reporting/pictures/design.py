@@ -14,7 +14,7 @@ from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, lightest, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, in_a_line
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
@@ -47,33 +47,14 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
 
     If only one thickness varies, draw the ballistic limits over it instead.
     """
-    pairs = [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
-    front = [_front_panel(result)] if result.pareto else []
-    return draw_map_of_design(result, sheet, [*pairs, *front])
-
-
-def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
-    """Draw the map of the best pair of materials, with more panels below it.
-
-    If only one thickness varies, draw the ballistic limits over it instead, without these panels.
-    """
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    panel = _Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())
-    return _draw_panels(view.design_title(result), [panel, *below], sheet)
-
-
-def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the Pareto front alone."""
-    panel = _front_panel(result)
-    return _draw_panels(panel.title, [panel._replace(title="")], sheet)
-
-
-def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw panels one below the other, under the answer as their title."""
+    panels = [_Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())]
+    panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
+    panels += [_front_panel(result)] if result.pareto else []
     notes = " ".join(filter(None, (panel.note for panel in panels)))
-    picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
+    picture = sheet.panels(in_a_line(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
         axes.set_title(panel.title)
@@ -125,7 +106,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     note += f" Bands show {' or '.join(bands)}." if bands else ""
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(view.design_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(in_a_line(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
@@ -403,7 +384,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
     note = "Percentages: probability that the armour stops the projectile."
-    picture = sheet.panels(view.outcome(result), *heights, note=note)
+    picture = sheet.panels(in_a_line(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)

@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from armour.errors import counted, listed
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, in_a_line
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import Column, in_words, interval, percent
+from armour.reporting.table import Column, in_words, percent
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, VELOCITY
 
 
@@ -22,7 +22,7 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability density of V50, and below it the shots or, if computed, the operating characteristic."""
     simulated = bool(plan.operating_characteristic)
     note = f"{plan.stopped}." if plan.stopped else ""
-    picture = sheet.panels(_title(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
+    picture = sheet.panels(in_a_line(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
     densities, last = picture.axes
     _draw_densities(densities, plan)
     if simulated:
@@ -37,15 +37,6 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     draw_shots(last, plan.fired)
     _draw_velocities(last, plan, named=False)
     return picture
-
-
-def _title(plan: ShotPlan) -> str:
-    """Return the next velocity, and V50 from the shots so far."""
-    following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
-    basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
-    ends = interval(plan.posterior.v50_interval_m_s, ".0f")
-    v50 = f"V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
-    return f"{following}; {basis} {v50}"
 
 
 def _draw_densities(axes: Axes, plan: ShotPlan) -> None:

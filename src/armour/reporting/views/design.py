@@ -16,7 +16,7 @@ from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResu
 from armour.errors import counted, joined
 from armour.evidence.tests import THIN, TOO_THIN, armours_of, limits_of_model, threat_warnings
 from armour.reporting import words as phrases
-from armour.reporting.by_result import tables_of
+from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.report import Report, ReportSection
 from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
@@ -45,7 +45,7 @@ METALS = (
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
 UNNAMED = "added for adhesive or cover"
 # Words of the reasons why there is no best design.
-NONE = {"none passes": "None passes; the nearest", "not known": "None is known to pass; the nearest"}
+NONE = {"none passes": "none passes; the nearest", "not known": "none is known to pass; the nearest"}
 
 
 def _needed(design: BestDesign) -> NeededFlowStress | None:
@@ -62,13 +62,12 @@ def _aligned(table: Table) -> Table:
     return replace(table, columns=tuple(replace(c, spec=f".{decimals}f") if chosen else c for c, chosen in columns))
 
 
-def frontier_table(result: DesignResult) -> Table:
-    """Tabulate, for each back plate of the best pair, the thinnest ceramic that passes.
+def frontier_table(result: DesignResult, rows: slice = slice(None)) -> Table:
+    """Tabulate, for some back plates of the best pair, the thinnest ceramic that passes.
 
     Notes mark the best design and ceramics at the least thickness on offer.
     """
-    several = len(result.threats) > 1
-    governing = dict(zip(map(_thicknesses, result.frontier), result.frontier_governed_by, strict=True))
+    designs, governing = result.frontier[rows], result.frontier_governed_by[rows]
 
     def note(design: Design) -> str:
         marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(result.shown) else []
@@ -76,24 +75,21 @@ def frontier_table(result: DesignResult) -> Table:
 
     numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE
     table = Table.of(
-        result.frontier,
-        *numbers,
-        outside_tests(result.frontier),
-        (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
-        (Column("note"), note),
+        zip(designs, governing, strict=True),
+        *of_part(itemgetter(0), *numbers, outside_tests(designs)),
+        *[(GOVERNED_BY, itemgetter(1))] * (len(result.threats) > 1),
+        *of_part(itemgetter(0), (Column("note"), note)),
         title=f"{pair_words(result.shown)}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
     )
     return _aligned(table)
 
 
-def _around_best(result: DesignResult) -> DesignResult:
-    """Return a result whose frontier is cut down to `FRONTIER_ROWS` rows around the best design."""
-    places = [_thicknesses(design) for design in result.frontier]
-    best = _thicknesses(result.shown)
+def _around_best(result: DesignResult) -> slice:
+    """Return the `FRONTIER_ROWS` rows of the frontier around the best design."""
+    places, best = [*map(_thicknesses, result.frontier)], _thicknesses(result.shown)
     middle = places.index(best) if best in places else 0
     first = max(min(middle - FRONTIER_ROWS // 2, len(places) - FRONTIER_ROWS), 0)
-    rows = slice(first, first + FRONTIER_ROWS)
-    return replace(result, frontier=result.frontier[rows], frontier_governed_by=result.frontier_governed_by[rows])
+    return slice(first, first + FRONTIER_ROWS)
 
 
 def left_out(result: DesignResult) -> str:
@@ -186,7 +182,7 @@ def _result(result: DesignResult, pair: Pair) -> str:
     section = (scenario and scenario.design) or DesignSection()
     if pair.best is None:
         within = f"none within {section.runners_up_percent:g} % of the best passes"
-        return within if pair.nearest is None else outcome(pair.nearest.check)
+        return within if pair.nearest is None else in_a_line(pair.nearest.check)
     excess, words = pair.excess_percent, objective.least
     if excess is None:
         words = objective.more
@@ -215,7 +211,7 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return the lines of the check of the best design, and then what only a search knows, see `tables_of_search`."""
     result.shown.check.of(every_row=result.question.get("every_row"))
     _, *checked = tables_of_check(result.shown.check)
-    return [VerdictLine(design_title(result), good=not result.reason), *checked, *tables_of_search(result)]
+    return [VerdictLine(in_a_line(result), good=not result.reason), *checked, *tables_of_search(result)]
 
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
@@ -226,10 +222,11 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
         best = best_of_pairs(result)
         shown += [pair_table(result), *(outside_notes(best) if len(best) > 1 else ()), *pair_caveats(result)]
     if result.frontier and (len(result.pairs) == 1 or verbose):
-        part = result if verbose else _around_best(result)
-        shown += [frontier_table(part), *outside_notes(part.frontier)]
-        named += part.frontier
-        more = len(result.frontier) - len(part.frontier)
+        rows = slice(None) if verbose else _around_best(result)
+        part = result.frontier[rows]
+        shown += [frontier_table(result, rows), *outside_notes(part)]
+        named += part
+        more = len(result.frontier) - len(part)
         shown += [f"{more} more back plates with -v"] if more else []
         shown += [left_out(result)] if result.without_mm else []
     if result.pareto:
@@ -244,13 +241,14 @@ OBJECTIVE_SPECS = {AREAL_DENSITY: ".2f", THICKNESS: ".5g", COST: ".2f", MARGIN_B
 OBJECTIVE_WORDS = {column.key: replace(column, spec=spec) for column, spec in OBJECTIVE_SPECS.items()}
 
 
-def design_title(result: DesignResult) -> str:
+@line_of.register
+def design_in_a_line(result: DesignResult) -> str:
     """Return the best design or, without one, the nearest in a line, with the verdict on it."""
     shown, objective = result.shown, OBJECTIVES[result.minimised]
     value = OBJECTIVE_WORDS[result.minimised].with_unit(getattr(shown, result.minimised))
     value = f"cost {value} per m²" if result.minimised == COST.key else value
-    name = NONE[result.reason] if result.reason else objective.least.capitalize()
-    return f"{name}: {armour_in_words(shown)}, {value}; {outcome(shown.check)}"
+    name = NONE[result.reason] if result.reason else objective.least
+    return f"{name}: {armour_in_words(shown)}, {value}; {in_a_line(shown.check)}"
 
 
 def least_probability(result: CheckResult) -> float | None:
@@ -350,7 +348,8 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
     return [table] if len(table.columns) > 1 else []
 
 
-def outcome(result: CheckResult) -> str:
+@line_of.register
+def check_in_a_line(result: CheckResult) -> str:
     """Return the verdict on an armour in a line, with the requirements not met and the caveats of the model."""
     unknown = phrases.said_of(result.notes, "not known") * (len(result.threats) > 1)
     return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.notes)])
@@ -421,7 +420,7 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     """
     several = len(result.threats) > 1
     scenario = result.question["scenario"]
-    shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), amounts(result)]
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=result.verdict == "passes"), amounts(result)]
     shown += [*layer_words(scenario.armour.layer), threat_table(result)]
     shown += [*outside_notes(result.threats), *phrases.threat_notes(scenario)]
     if len(result.all_requirements()) > len(result.threats):
