@@ -157,7 +157,7 @@ def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
     layers |= {"ceramic": [{"material": ceramic, "thickness_mm": hc}]} if ceramic else {}
     found = armour.optimise(rod.replaced({"design": layers}))
     assert found.reason == ("not known" if is_too_low else "none passes")
-    assert str(tables_of_design(found)[0]).startswith("None is known to pass; the nearest") is is_too_low
+    assert str(tables_of_design(found)[0]).startswith("none is known to pass; the nearest") is is_too_low
     stopped = rod.replaced({"impact.velocity_m_s": 50.0})
     assert armour.check(stopped).verdict == "passes"
 

@@ -73,23 +73,16 @@ def test_a_page_is_one_file_without_scripts_and_links(name: str):
 
 def test_what_explains_the_answer_is_folded():
     answer, *folded = page_of("as it is").replace(NO_BREAK, " ").split("<details>")
-    shown = ["Threats", "Cross-section, to scale", "What if", "Assumptions and limits", "References"]
+    shown = ["Threats", "Cross-section, to scale", "Assumptions and limits", "References"]
     assert headings(answer) == shown
     assert [headings(part) for part in folded] == [
         ["The impact, stage by stage"],
         ["Sensitivity to the inputs"],
         ["Values and their sources"],
-        ["Weight"],
         ["Scenario"],
         ["Command and versions"],
     ]
     assert re.findall("<h3>(.*?)</h3>", folded[2]) == ["Projectile: 7.62 mm AP", "Ceramic: AD85", "Metal: 6061-T6"]
-
-
-def test_a_chart_stands_in_for_the_table_of_its_numbers():
-    part = next(part for part in page_of("as it is").split("<details>") if "Sensitivity" in part)
-    assert "<svg" in part
-    assert "<table" not in part
 
 
 def test_no_line_ends_between_a_number_and_its_unit():

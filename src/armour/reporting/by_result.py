@@ -48,6 +48,12 @@ def in_a_line(result: Result) -> str:
     return "" if chosen is None else str(chosen(result))
 
 
+def headline(result: Result) -> str:
+    """Return the answer of a result in a line that begins with a capital letter."""
+    line = in_a_line(result)
+    return line[:1].upper() + line[1:]
+
+
 def drawing_of(result: object, **changes: str) -> Callable[[Any], Any]:
     """Return a function that draws a result on a sheet; `changes` replace fields of the picture, such as its title."""
     return lambda sheet: replace(by_result(draw, result)(result, sheet), **changes)

@@ -16,7 +16,7 @@ from armour.errors import NoAnswerError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
 from armour.reporting import words as phrases
-from armour.reporting.by_result import by_result, drawing_of, tables_of
+from armour.reporting.by_result import by_result, drawing_of, headline, tables_of
 from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
 from armour.reporting.table import Column, Table, in_words, percent
 from armour.reporting.views import design as design_view
@@ -72,7 +72,7 @@ def scenario_report(
         "The impact, stage by stage": simulate(answer, history=True),
         "Sensitivity to the inputs": _or_none(sensitivity, answer, on_part),
     }
-    lead, *lines = design_view.tables_of_check(checked.of(every_row=True))
+    _, *lines = design_view.tables_of_check(checked.of(every_row=True))
     notes = (*(checked if design is None else design).notes, *(() if limit is None else not_monotonic(limit)))
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
     designs = [] if design is None else [_designs(design, map_command)]
@@ -89,7 +89,7 @@ def scenario_report(
     )
     return Report(
         title=answer.subject(threats=scenario.threat),
-        lead=f"{str(lead)[:1].upper()}{str(lead)[1:]}.",
+        lead=f"{headline(checked)}.",
         passed=checked.verdict == "passes",
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,

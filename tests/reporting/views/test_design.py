@@ -218,6 +218,6 @@ def test_a_pair_outside_the_limits_has_its_nearest_design_and_what_it_exceeds():
     assert all(re.fullmatch(r"FAILS: areal density .* at most 30 kg/m² .* required.*", each) for each in words)
     slow = optimise(scenario(velocity=300.0, design={**layers, "areal_density_max_kg_m2": 30.0}))
     assert in_a_line(slow) == (
-        "None passes; the nearest: 6 mm AD85 on 6 mm 6061-T6, 37.08 kg/m²; "
+        "none passes; the nearest: 6 mm AD85 on 6 mm 6061-T6, 37.08 kg/m²; "
         "FAILS: areal density 37.08 kg/m², at most 30 kg/m² allowed"
     )

@@ -14,7 +14,7 @@ from armour.analysis.impact import History, ImpactResult
 from armour.core import equations
 from armour.core.state import Parameters
 from armour.errors import mistake
-from armour.reporting.by_result import draw, in_a_line
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import wrapped
 from armour.reporting.views.analysis import STAGES
@@ -58,7 +58,7 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     # A result that is made by hand has no scenario, and so no armour to draw.
     scene = _Scene(result, history) if "scenario" in result.question else None
     scenes = [] if scene is None else [scene.high_inches(sheet.width)]
-    picture = sheet.panels(in_a_line(result), *scenes, *(height for _, height, _ in PANELS), note=note)
+    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=note)
     over_time = picture.axes[len(scenes) :]
     seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
@@ -213,7 +213,7 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     impact = [point.impact_velocity_m_s for point in curve]
     reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
     residual_alone = error is None or ends is None
-    picture = sheet.panels(in_a_line(result), *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
+    picture = sheet.panels(headline(result), *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
         stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
         probability = float(error.probability_of_stopping(limit, threat))

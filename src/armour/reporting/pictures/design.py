@@ -14,7 +14,7 @@ from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, lightest, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
-from armour.reporting.by_result import draw, in_a_line
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
@@ -54,7 +54,7 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
     panels += [_front_panel(result)] if result.pareto else []
     notes = " ".join(filter(None, (panel.note for panel in panels)))
-    picture = sheet.panels(in_a_line(result), *(panel.height for panel in panels), note=notes)
+    picture = sheet.panels(headline(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
         axes.set_title(panel.title)
@@ -106,7 +106,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     note += f" Bands show {' or '.join(bands)}." if bands else ""
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(in_a_line(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
@@ -358,7 +358,8 @@ def _front_panel(result: DesignResult) -> _Panel:
             for outside, some in grouped(designs, lambda design: bool(design.outside_tests)).items():
                 label = name + " (outside the tests)" * outside
                 draw_designs(axes, some, label, filled=not outside, **drawing.look_of(index))
-        draw_designs(axes, [result.shown], "nearest" if result.reason else "best", markersize=3.0, color=drawing.INK)
+        shown = [each for each in result.pareto if view.layers_of(each) == view.layers_of(result.shown)]
+        draw_designs(axes, shown, "nearest" if result.reason else "best", markersize=3.0, color=drawing.INK)
         axes.set(xlabel=view.OBJECTIVE_WORDS[keys[0]].heading, ylabel=view.OBJECTIVE_WORDS[keys[1]].heading)
 
     notes = []
@@ -384,7 +385,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
     note = "Percentages: probability that the armour stops the projectile."
-    picture = sheet.panels(in_a_line(result), *heights, note=note)
+    picture = sheet.panels(headline(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)

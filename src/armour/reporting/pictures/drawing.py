@@ -120,7 +120,7 @@ def drawn(
     """
     with mpl.rc_context(SETTINGS if sheet.ax is None else STYLE):
         picture = draw(sheet)
-        lines = [picture.title[:1].upper() + picture.title[1:], *heading[:1]] if title is None else [title]
+        lines = [picture.title, *heading[:1]] if title is None else [title]
         for text in (text for axes in picture.axes for text in axes.findobj(Text)):
             text.set_text(printable_lines(text.get_text()))
         if sheet.ax is not None:

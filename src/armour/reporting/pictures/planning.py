@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from armour.errors import counted, listed
 from armour.planning.firing import ShotPlan
 from armour.planning.plan_tests import PlannedTests
-from armour.reporting.by_result import draw, in_a_line
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
 from armour.reporting.table import Column, in_words, percent
@@ -22,7 +22,7 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability density of V50, and below it the shots or, if computed, the operating characteristic."""
     simulated = bool(plan.operating_characteristic)
     note = f"{plan.stopped}." if plan.stopped else ""
-    picture = sheet.panels(in_a_line(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
+    picture = sheet.panels(headline(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
     densities, last = picture.axes
     _draw_densities(densities, plan)
     if simulated:

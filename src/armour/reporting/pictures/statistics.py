@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from armour.errors import mistake
-from armour.reporting.by_result import draw, in_a_line
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, deviation_percent, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
@@ -37,7 +37,7 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     names = [Column.of(index.input).label for index in result.inputs]
     note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
-    picture = sheet.panels(in_a_line(result), *heights, note=note, sharex=True)
+    picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
     axes.set(ylabel="probability of perforation", ylim=(0.0, 1.0))
     axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
@@ -77,7 +77,7 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
     inputs.sort(key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers])
     names, titles = [Column.of(item.input).label for item in inputs], [Column.of(name).label for name in answers]
     note = "Change in % for a 1 % increase of the input."
-    picture = sheet.panels(in_a_line(result), *[drawing.rows_height(names, titled=True)] * len(answers), note=note)
+    picture = sheet.panels(headline(result), *[drawing.rows_height(names, titled=True)] * len(answers), note=note)
     for axes, answer, heading in zip(picture.axes, answers, titles, strict=True):
         drawing.rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
         axes.set(title=heading, xlabel="change, %")
@@ -104,7 +104,7 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
     if own:
         note += f"{' ' * bool(note)}Own tests: 95 % intervals from the others of the lot."
         heights.append(drawing.rows_height([name for name, _ in own], titled=True))
-    picture = sheet.panels(in_a_line(result), *heights, note=note)
+    picture = sheet.panels(headline(result), *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():
         groups: dict[str, list[drawing.Compared]] = {}
@@ -186,7 +186,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
     if (required := result.requirement_m_s) is not None and not low <= required <= high:
         notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
-    picture = sheet.panels(in_a_line(result), *panels, note=" ".join(notes))
+    picture = sheet.panels(headline(result), *panels, note=" ".join(notes))
     axes = picture.axes[0]
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))

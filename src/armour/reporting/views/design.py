@@ -70,7 +70,7 @@ def frontier_table(result: DesignResult, rows: slice = slice(None)) -> Table:
     designs, governing = result.frontier[rows], result.frontier_governed_by[rows]
 
     def note(design: Design) -> str:
-        marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(result.shown) else []
+        marks = [OBJECTIVES[result.minimised].least] if layers_of(design) == layers_of(result.shown) else []
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
     numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE
@@ -86,7 +86,7 @@ def frontier_table(result: DesignResult, rows: slice = slice(None)) -> Table:
 
 def _around_best(result: DesignResult) -> slice:
     """Return the `FRONTIER_ROWS` rows of the frontier around the best design."""
-    places, best = [*map(_thicknesses, result.frontier)], _thicknesses(result.shown)
+    places, best = [*map(layers_of, result.frontier)], layers_of(result.shown)
     middle = places.index(best) if best in places else 0
     first = max(min(middle - FRONTIER_ROWS // 2, len(places) - FRONTIER_ROWS), 0)
     return slice(first, first + FRONTIER_ROWS)
@@ -99,8 +99,8 @@ def left_out(result: DesignResult) -> str:
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
-# The thicknesses, which distinguish a design from others of the same materials.
-_thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
+# The layers, which distinguish a design from others.
+layers_of = attrgetter("ceramic", "backing", "ceramic_thickness_mm", "backing_thickness_mm")
 
 
 def pair_table(result: DesignResult) -> Table:
