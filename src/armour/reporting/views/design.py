@@ -182,7 +182,7 @@ def _result(result: DesignResult, pair: Pair) -> str:
     section = (scenario and scenario.design) or DesignSection()
     if pair.best is None:
         within = f"none within {section.runners_up_percent:g} % of the best passes"
-        return within if pair.nearest is None else in_a_line(pair.nearest.check)
+        return within if pair.nearest is None else _outcome(pair.nearest.check)
     excess, words = pair.excess_percent, objective.least
     if excess is None:
         words = objective.more
