@@ -75,7 +75,7 @@ def designs(case: Scenario) -> list[Plain]:
             checked = check_of(own, changes=False, needed=False)
             entry = own.entry_of("ceramic")
             assert entry is not None
-            group = 2 if is_no_metal(own.core_armour().rho_B) else int(lacks_sources(entry))
+            group = 2 * is_no_metal(own.core_armour().rho_B) + lacks_sources(entry)
             known = all(threat.model_error is not None for threat in checked.threats)
             found.append(Plain(layers, value_of(checked, section.minimise), checked.verdict, group, known))
     return found
@@ -114,11 +114,8 @@ def compare(seed: int) -> str:
             assert pair.best is not None
             assert value_of(pair.best.check, section.minimise) == pytest.approx(best.value, rel=1e-9)
     if passing:
-        on_pair = [each for each in passing if each.layers[:2] == layers_of(shown)[:2]]
-        thinnest = {
-            hb: min(each.layers[2] for each in on_pair if each.layers[3] == hb)
-            for *_, hb in (each.layers for each in on_pair)
-        }
+        on_pair = [each.layers for each in passing if each.layers[:2] == layers_of(shown)[:2]]
+        thinnest = {plate: min(hc for *_, hc, hb in on_pair if hb == plate) for *_, plate in on_pair}
         assert {each.backing_thickness_mm: each.ceramic_thickness_mm for each in result.frontier} == thinnest
     return result.reason
 

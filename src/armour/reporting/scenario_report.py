@@ -1,6 +1,6 @@
 """Make the report on a scenario: its answer, and the results that explain it and show how reliable it is."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, drawing_of, headline, tables_of
-from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes
+from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes, section_of
 from armour.reporting.table import Column, Table, in_words, percent
 from armour.reporting.views import design as design_view
 from armour.reporting.views.library import entry_table
@@ -77,12 +77,16 @@ def scenario_report(
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
     designs = [] if design is None else [_designs(design, map_command)]
     sections = (
-        _section("Threats", lines),
+        section_of("Threats", lines),
         *_own_tests(answer),
         *designs,
         ReportSection("Assumptions and limits", notes=ASSUMPTIONS),
         ReportSection("References", notes=reference_notes(_sources(scenario, answer, threat))),
-        *(_section(name, _tables(result), result) for name, result in explaining.items() if result is not None),
+        *(
+            section_of(name, _tables(result), drawing_of(result, title=""))
+            for name, result in explaining.items()
+            if result is not None
+        ),
         ReportSection("Values and their sources", tables=tuple(_values(answer)), folded=True),
         ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True),
         origin_section(command, _which_armour(scenario, design), scenario),
@@ -101,15 +105,6 @@ def scenario_report(
         warnings=tuple(map(_warning, notes)),
         cross_section=answer,
     )
-
-
-def _section(heading: str, lines: Iterable[Table | str], drawn: Result | None = None) -> ReportSection:
-    """Return the section with tables and notes, folded if it has the picture of a result."""
-    lines = list(lines)
-    tables = tuple(line for line in lines if isinstance(line, Table))
-    paragraphs = tuple(line for line in lines if not isinstance(line, Table))
-    pictures = () if drawn is None else (drawing_of(drawn, title=""),)
-    return ReportSection(heading, paragraphs, pictures=pictures, tables=tables, folded=drawn is not None)
 
 
 def _tables(result: Result) -> list[Table | str]:
@@ -183,7 +178,7 @@ def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
 
 def _designs(design: DesignResult, map_command: str) -> ReportSection:
     """Return the section with the map of the designs, and with what only the search knows."""
-    section = _section("Designs", design_view.tables_of_search(design), design)
+    section = section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title=""))
     hint = ("This command makes an interactive page of all designs:",) if map_command else ()
     paragraphs = (*section.paragraphs, *hint)
     return replace(section, paragraphs=paragraphs, code=map_command, language="console", folded=False)

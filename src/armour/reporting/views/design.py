@@ -14,11 +14,11 @@ from armour.design.against import Moved
 from armour.design.check import CheckedThreat, CheckResult
 from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
 from armour.errors import counted, joined
-from armour.evidence.tests import THIN, TOO_THIN, armours_of, limits_of_model, threat_warnings
+from armour.evidence.tests import THIN, TOO_THIN, armours_of, threat_warnings
 from armour.reporting import words as phrases
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
-from armour.reporting.report import Report, ReportSection
+from armour.reporting.report import Report, ReportSection, section_of
 from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, InertLayer
@@ -450,11 +450,7 @@ def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequenc
         caveats += [(scenario.file, text) for text in phrases.said_of(result.notes)]
     columns = [Column(label, prose=True) for label in ("scenario", "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
-    texts, tables = (
-        [text for text in moved if isinstance(text, str)],
-        [each for each in moved if isinstance(each, Table)],
-    )
-    sections += [ReportSection("Since the earlier check", tuple(texts), tables=tuple(tables))] if moved else []
+    sections += [section_of("Since the earlier check", moved)] if moved else []
     summary = check_summary({scenario.file: result for scenario, result in answers})
     return Report("Check of armour", summary, tuple(sections), passed=summary.good)
 
@@ -521,22 +517,17 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
     A threat that holds is skipped if no probability is required, as the model's limit alone does not pass a test.  The
-    output of a case has its numbers and the caveats about the armour against its threat.  Names of cases do not contain
-    thicknesses, velocities or angles.  `seconds` is the time of the whole check.
+    output of a case has its numbers and the caveats about the armour.  Names of cases do not contain thicknesses,
+    velocities or angles.  `seconds` is the time of the whole check.
     """
-    file, parts = scenario.file, list[tuple[str, str, str, list[str]]]()
-    for threat, given in zip(result.threats, scenario.threats(), strict=True):
-        armours = armours_of(scenario.against(given))
-        notes = [*scenario.floors, *(note for note, _ in limits_of_model(armours, [armours.materials[0].backing]))]
-        holds = "passed" if threat.required_probability is not None else "skipped"
+    file, cases, caveats = scenario.file, list[TestCase](), phrases.said_of(result.notes)
+    for threat in result.threats:
+        holds = "" if threat.required_probability is not None else "skipped"
         found = holds if threat.verdict == "passes" else "failure"
         words = f"{VERDICTS[threat.verdict]}: {finding(threat)}" + f"; {NONE_REQUIRED}" * (found == "skipped")
-        parts.append((threat.name, found, words, phrases.said_of(notes)))
+        cases.append(TestCase(file, threat.name, found, words, file=file, output=[words, *caveats]))
     for row in result.requirements:
-        words = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}"
-        parts.append((Column.of(row.quantity).label, "passed" if row.verdict == "passes" else "failure", words, []))
-    cases = [
-        TestCase(file, title, found.removeprefix("passed"), words, file=file, output=[words, *caveats])
-        for title, found, words, caveats in parts
-    ]
+        words, title = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}", Column.of(row.quantity).label
+        found = "" if row.verdict == "passes" else "failure"
+        cases.append(TestCase(file, title, found, words, file=file, output=[words]))
     return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
