@@ -7,6 +7,7 @@ from .design.against import moved as moved
 from .design.optimise import effort as effort
 from .evidence.tests import scenario_warnings as scenario_warnings
 from .reporting.by_result import by_result as by_result
+from .reporting.by_result import in_a_line as in_a_line
 from .reporting.by_result import tables_of as tables_of
 from .reporting.design_page import design_page as design_page
 from .reporting.formats import REPORT_ENDINGS as REPORT_ENDINGS
@@ -18,15 +19,12 @@ from .reporting.junit import junit_suite as junit_suite
 from .reporting.junit import junit_xml as junit_xml
 from .reporting.pictures.validation import draw_figure as draw_figure
 from .reporting.pictures.validation import draw_suite as draw_suite
-from .reporting.scenario_report import contents_of as contents_of
 from .reporting.scenario_report import scenario_report as scenario_report
 from .reporting.views.analysis import history_csv as history_csv
 from .reporting.views.design import check_junit as check_junit
 from .reporting.views.design import check_report as check_report
 from .reporting.views.design import check_summary as check_summary
 from .reporting.views.design import design_csv as design_csv
-from .reporting.views.design import design_title as design_title
-from .reporting.views.design import design_verdict as design_verdict
 from .reporting.views.design import moved_junit as moved_junit
 from .reporting.views.design import tables_of_check as tables_of_check
 from .reporting.views.design import tables_of_moved as tables_of_moved

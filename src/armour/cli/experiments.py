@@ -353,10 +353,10 @@ def plan_shots(
             files: Files = {}
             if result is None or table is None:
                 planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each=each)
-                warnings = planned.warnings
+                notes = planned.notes
             else:
-                planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+                planned, notes, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
-        answer(planned, loaded, files, warnings, plot=plot, file=file, as_json=as_json, verbose=verbose)
+        answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if each and planned.unanswered:
         raise typer.Exit(runner.NO_ANSWER)

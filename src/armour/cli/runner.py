@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import armour
 import armour.lazy as lazy
 from armour.cli.console import emit, say, show, show_json
-from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
+from armour.errors import ArmourError, InputError, Note, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
 from armour.reporting.table import Table
 from armour.scenario.inputs import VELOCITY
@@ -200,7 +200,7 @@ def answer(
     result: Any,
     scenario: "armour.Scenario | None",
     files: Files | None = None,
-    warnings: Iterable[str] | None = None,
+    notes: Iterable[Note] | None = None,
     *,
     plot: Path | None = None,
     file: str = "",
@@ -210,13 +210,13 @@ def answer(
 ) -> None:
     """Show a result as tables or, with ``extra_data``, as JSON; write its files and its picture; print warnings.
 
-    The warnings are those of the result, unless ``warnings`` are given; ``file`` is the file that they name.
+    The warnings are the notes of the result, unless ``notes`` are given; ``file`` is the file that they name.
     """
     result.of(every_row=verbose)
     tables = () if as_json else lazy.by_result(lazy.tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
     show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
-    shown = warnings_of(scenario, result.warnings if warnings is None else warnings, file, verbose=verbose)
+    shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
 
@@ -302,7 +302,7 @@ def _without_folders(word: str) -> str:
 
 
 def warnings_of(
-    scenario: "armour.Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool
+    scenario: "armour.Scenario | None", warnings: Iterable[Note], file: str = "", *, verbose: bool
 ) -> list[str]:
     """Return the notes on a scenario, and the warnings, as lines for standard error.
 
@@ -311,9 +311,8 @@ def warnings_of(
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    shown = list(dict.fromkeys(warnings))
-    if not verbose:
-        shown = in_two_lines(shown, "with -v")
+    told = list(dict.fromkeys(warnings))
+    shown = list(map(str, told)) if verbose else in_two_lines(told, "with -v")
     return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 

@@ -69,11 +69,11 @@ def simulate(
         confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
     of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
-    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
-    extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
+    notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
+    extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
     files: Files = {history: lambda _: lazy.history_csv(result)}
-    answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
+    answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
 def ballistic_limit(
@@ -89,8 +89,8 @@ def ballistic_limit(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result), *result.warnings)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    notes = (*lazy.not_monotonic(result), *result.notes)
+    answer(result, loaded, notes=notes, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -106,8 +106,8 @@ def compare(
     check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    notes = (*lazy.not_monotonic(result.limit), *result.limit.notes)
+    answer(result, loaded, notes=notes, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -161,7 +161,7 @@ def check(
             show(*other_lines, *lazy.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
         suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
-        warnings += warnings_of(loaded, result.warnings, verbose=verbose)
+        warnings += warnings_of(loaded, result.notes, verbose=verbose)
     answers = [*zip(scenarios, results, strict=True)]
     data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
     moves = [] if against is None else [*lazy.moved(earlier, data, str(against))]
@@ -242,7 +242,7 @@ def optimise(
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
     files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
-    if source != "-" and result.shown is not None:
+    if source != "-":
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
@@ -260,11 +260,9 @@ def _map(
     `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
     """
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    verdict = [str(line) for line in lazy.design_verdict(result)]
-    if (best := result.best) is not None:  # what the page does not show: sampled probabilities, and own tests
-        own_tests = lazy.tested_here(best.model_error) if best.model_error else []
-        verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return lazy.design_page(scenario, command, needed, on_progress, verdict)
+    error = result.shown.model_error
+    own_tests = lazy.tested_here(error) if error else []  # which the page does not show
+    return lazy.design_page(scenario, command, needed, on_progress, [lazy.in_a_line(result), *own_tests])
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
@@ -424,8 +422,7 @@ def report(
             content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            contents = lazy.contents_of(scenario, count, as_is=as_is)
-        content = lazy.scenario_report(contents, command, map_command)
+            content = lazy.scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
     write({output: lambda path: lazy.report_text(content, path)})

@@ -25,7 +25,7 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.engine.changes import changed_names
-from armour.errors import InputError, choices, counted, duration, mistake
+from armour.errors import InputError, Note, choices, counted, duration, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
@@ -92,7 +92,7 @@ class SweepResult(TableResult):
     rows : int
     output : Path or None
         File of the table; None if it is kept in memory.
-    warnings : tuple of str
+    notes : tuple of Note
         Rows unlike what the model was compared with, quantities without a value, unused threats, and omitted ends
         of ranges.
     columns : dict of str to array
@@ -104,7 +104,7 @@ class SweepResult(TableResult):
     quantities: tuple[str, ...]
     rows: int
     output: Path | None
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     _computed: Mapping[str, Any]
 
     @cached_property
@@ -135,10 +135,6 @@ class SweepResult(TableResult):
             name: [None if value != value else value for value in values.tolist()]
             for name, values in self.columns.items()
         }
-
-    def _words(self) -> str:
-        where = "" if self.output is None else f", in {self.output}"
-        return f"{', '.join(self.quantities)} over {' and '.join(self.keys)}, {counted(self.rows, 'row')}{where}"
 
     def _columns(self) -> Mapping[str, Any]:
         return self.columns
@@ -221,7 +217,7 @@ def sweep(
             on_chunk=lambda rows, _stored: on_progress(rows, source.count),
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
-    result = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
+    result = SweepResult(scenario, source.keys, names, source.count, output, tuple(map(Note, warnings)), columns)
     return result.of(subject_of(scenario, source, names), scenario=scenario)
 
 
@@ -363,7 +359,7 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
     )
     return [
         *(f"{name}: changes the back plate, although it exists (design.existing)" for name in changing),
-        *(scenario.unused_threats() if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
+        *(map(str, scenario.unused_threats()) if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
 

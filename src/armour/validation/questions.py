@@ -30,7 +30,7 @@ class Subject:
         """The best design of the scenario; raise NoAnswerError, with the reason, if there is none."""
         result = optimise(self.scenario)
         if result.best is None:
-            raise NoAnswerError(result.explanation)
+            raise NoAnswerError(f"no design is known to pass; the nearest: {result.shown.check.verdict}")
         return result.best
 
     @cached_property

@@ -1,6 +1,6 @@
 import warnings
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from itertools import combinations
 from xml.etree import ElementTree
 
@@ -14,7 +14,6 @@ from matplotlib.transforms import Bbox
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError
 from armour.reporting.by_result import drawing_of
-from armour.reporting.pictures.design import draw_map_of_design
 from armour.reporting.pictures.drawing import (
     BLUE,
     METADATA,
@@ -249,7 +248,7 @@ def test_contours_of_two_quantities_are_named_apart():
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
 @pytest.mark.parametrize("width", [WIDTH, 3.45])
 def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float):
-    [axes] = drawn(partial(draw_map_of_design, optimum(name)), Sheet(width), title="").axes
+    axes = drawn(drawing_of(optimum(name)), Sheet(width), title="").axes[0]
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
     assert len(labels) > 6
     assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))

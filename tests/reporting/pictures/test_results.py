@@ -23,7 +23,6 @@ from armour.planning.firing import plan_shots
 from armour.planning.procedures import OperatingPoint
 from armour.reporting.by_result import draw, drawing_of
 from armour.reporting.pictures import analysis, design, statistics, sweeps, validation
-from armour.reporting.pictures.design import draw_front_of_design, draw_map_of_design
 from armour.reporting.pictures.drawing import BLUE, INK, VERMILION, Picture, Points, Sheet, drawn
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import load_scenario
@@ -43,6 +42,13 @@ pytestmark = pytest.mark.usefixtures("not_laid_out")
 def picture_of(result: Any, drawing: Callable[[Any, Sheet], Picture] = draw) -> Picture:
     """The picture of a result, with its legends."""
     return drawn(drawing_of(result) if drawing is draw else partial(drawing, result), Sheet())
+
+
+def front_of(result: DesignResult) -> tuple[Axes, str]:
+    """The panel of a Pareto front, and its note."""
+    [axes], panel = Sheet().panels("", 3.0).axes, design._front_panel(result)
+    panel.draw(axes)
+    return axes, panel.note
 
 
 def marks(axes: Axes) -> dict[str, Points]:
@@ -90,7 +96,7 @@ def words_in(axes: Axes) -> list[str]:
 def test_an_impact():
     found = impact_result().of(scenario=scenario())
     picture = picture_of(found)
-    assert picture.title == f"Perforated: residual velocity {found.residual_velocity_m_s:.0f} m/s"
+    assert picture.title == f"Perforated, residual velocity {found.residual_velocity_m_s:.0f} m/s"
     scene, velocities, lengths, depths = picture.axes
     assert [axes.get_ylabel() for axes in picture.axes[1:]] == [
         "velocity, m/s",
@@ -140,7 +146,7 @@ def test_the_end_of_dwell_is_named_as_that():
 def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
     picture = picture_of(slow)
-    assert picture.title == f"Stopped at a depth of {slow.penetration_depth_mm:.3g} mm"
+    assert picture.title == "Stopped"
     shown = picture.axes[-1].get_xlim()[1]
     assert shown < 0.3 * slow.duration_us
     assert picture.note.startswith(f"Drawn up to {shown:.3g} µs of {slow.duration_us:.3g} µs.")
@@ -172,7 +178,7 @@ def frontiers(axes: Axes) -> list[ContourSet]:
 
 def test_a_map_has_the_frontiers_and_the_lightest_designs():
     found = designs(0.9)
-    [axes] = picture_of(found, draw_map_of_design).axes
+    axes = picture_of(found).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ceramic thickness, mm")
     assert [to_hex(np.asarray(lines.get_edgecolor())[0]) for lines in frontiers(axes)] == [VERMILION, BLUE]
     assert labels(axes)[:2] == ["perforated more often than not", "stopped in 90 % of cases or more"]
@@ -195,7 +201,7 @@ def test_a_frontier_is_where_the_probability_is_that_of_its_line():
 
 
 def test_without_a_confidence_the_map_shows_the_usual_one():
-    [axes] = picture_of(designs(), draw_map_of_design).axes
+    axes = picture_of(designs()).axes[0]
     assert "stopped in 95 % of cases or more" in labels(axes)
     [best] = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
     assert best.get_color() == INK
@@ -211,7 +217,7 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
 
 
 def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
-    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), draw_map_of_design)
+    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)))
     assert picture.note == "No probability is known for these designs."
     assert "ballistic limit by the model = velocity" in labels(*picture.axes)
     assert not [lines for lines in picture.axes[0].collections if isinstance(lines, ContourSet) and lines.filled]
@@ -231,7 +237,7 @@ def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front()
 
 
 def test_designs_of_a_front_are_not_joined():
-    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), draw_front_of_design).axes
+    axes = front_of(design_result(threats=(THREAT, OTHER), pareto=True))[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("areal density, kg/m²", "cost per m²")
     assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
     assert not curves(axes)
@@ -486,7 +492,7 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(each, margin_m_s=5.0) for each in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "Designs that others beat in both criteria drawn are better in margin by the model."
-    assert note in picture_of(found, draw_front_of_design).note
+    assert note in front_of(found)[1]
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

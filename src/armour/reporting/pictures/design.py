@@ -14,11 +14,11 @@ from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, lightest, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
-from armour.reporting.words import chance, said_of
+from armour.reporting.words import chance
 from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis;
@@ -47,38 +47,14 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
 
     If only one thickness varies, draw the ballistic limits over it instead.
     """
-    pairs = [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
-    front = [_front_panel(result)] if result.pareto else []
-    return draw_map_of_design(result, sheet, [*pairs, *front])
-
-
-def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
-    """Draw the map of the best pair of materials, with more panels below it.
-
-    If only one thickness varies, draw the ballistic limits over it instead, without these panels.
-    """
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    panel = _Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())
-    return _draw_panels(_title(result), [panel, *below], sheet)
-
-
-def _title(result: DesignResult) -> str:
-    """Return the best design in a line, with the caveats of the model."""
-    return "; ".join([view.design_title(result), *said_of(result.warnings)])
-
-
-def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the Pareto front alone."""
-    panel = _front_panel(result)
-    return _draw_panels(panel.title, [panel._replace(title="")], sheet)
-
-
-def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw panels one below the other, under the answer as their title."""
+    panels = [_Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())]
+    panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
+    panels += [_front_panel(result)] if result.pareto else []
     notes = " ".join(filter(None, (panel.note for panel in panels)))
-    picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
+    picture = sheet.panels(headline(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
         axes.set_title(panel.title)
@@ -92,8 +68,7 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     """
     catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-    design = result.reported
-    best = 0 if design is None else names.index((design.ceramic, design.backing))
+    best = names.index((result.shown.ceramic, result.shown.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
     probabilities = tuple({1.0 - USUAL_CHANCE, 0.5, USUAL_CHANCE, *filter(None, confidences)})
 
@@ -131,7 +106,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     note += f" Bands show {' or '.join(bands)}." if bands else ""
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
@@ -155,8 +130,8 @@ class _Map:
 
     @cached_property
     def governing(self) -> int:
-        """Index of the governing threat of the best or nearest design; 0 without either."""
-        return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
+        """Index of the governing threat of the best or nearest design."""
+        return self.result.threats.index(self.result.shown.governing)
 
     def surely_m_s(self, confidences: Sequence[float]) -> Any:
         """Return how far the stopped velocity exceeds that of the threat, m/s, (ceramics, back plates).
@@ -179,7 +154,7 @@ class _Map:
         margins_m_s = self.catalogue.margins_m_s
         above_m_s = self.grid.limits_m_s - self.catalogue.velocities_m_s - margins_m_s
         label = f"stopped in {percent(largest)} of cases or more"
-        margin = " + margin" * bool(view.required_margins(self.catalogue.scenario))
+        margin = " + margin" * bool(margins_m_s.any())
         if any(self.confidences):
             limited = (margins_m_s > 0.0) | [level is None for level in self.confidences]
             required = np.minimum(required, np.where(limited, above_m_s, np.inf).min(axis=-1))
@@ -219,11 +194,9 @@ class _Map:
         for design, look in self._marked():
             value = getattr(design, self.result.minimised)
             place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
-            if name:
-                line: Any = {"linestyle": ":", "color": look["color"]}
-                drawing.contours(axes, x, y, objective, [value], **line)
-                drawing.name_point(axes, *place, name, above=look.get("filled", True))
-            drawing.points(axes, place[:1], place[1:], [name or look["label"]], **look)
+            drawing.contours(axes, x, y, objective, [value], linestyle=":", color=look["color"])
+            drawing.name_point(axes, *place, name, above=look.get("filled", True))
+            drawing.points(axes, place[:1], place[1:], [name], **look)
 
     @cached_property
     def over_sources(self) -> Any:
@@ -292,12 +265,12 @@ class _Map:
             if half is not None:
                 name = self._named(half, "50 % or more")
                 yield half, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
-        if (best := self.result.shown) is not None:
-            probability = view.least_probability(best)
-            name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
-            name += "\noutside the tests" if best.outside_tests else ""
-            colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
-            yield best, {**large, "name": name, "color": colour}
+        best = self.result.shown
+        probability = view.least_probability(best.check)
+        name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
+        name += "\noutside the tests" if best.outside_tests else ""
+        colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
+        yield best, {**large, "name": name, "color": colour}
 
     def _named(self, design: Design, probability_text: str) -> str:
         """Return the name of a design: its thicknesses, its objective, and the text on its probability."""
@@ -385,9 +358,8 @@ def _front_panel(result: DesignResult) -> _Panel:
             for outside, some in grouped(designs, lambda design: bool(design.outside_tests)).items():
                 label = name + " (outside the tests)" * outside
                 draw_designs(axes, some, label, filled=not outside, **drawing.look_of(index))
-        if result.shown is not None:
-            name = "nearest" if result.reason else "best"
-            draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
+        shown = [each for each in result.pareto if view.layers_of(each) == view.layers_of(result.shown)]
+        draw_designs(axes, shown, "nearest" if result.reason else "best", markersize=3.0, color=drawing.INK)
         axes.set(xlabel=view.OBJECTIVE_WORDS[keys[0]].heading, ylabel=view.OBJECTIVE_WORDS[keys[1]].heading)
 
     notes = []
@@ -413,7 +385,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
     note = "Percentages: probability that the armour stops the projectile."
-    picture = sheet.panels(view.outcome(result), *heights, note=note)
+    picture = sheet.panels(headline(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
