@@ -32,7 +32,8 @@ from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.scenario.schema import FASTEST_M_S
 from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
-from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
+from armour.sweeps.store import RESUME, Chunk, Store
+from armour.sweeps.tables import csv_of, read_table
 
 # Greatest number of rows in memory; more rows need a file.
 MAX_ROWS = 10_000_000
@@ -49,7 +50,7 @@ MANY_ROWS = 10**8
 # Values that rows read from a file may have: at most the greatest by unit, but for rounding, and the outcomes.
 GREATEST = {"m/s": FASTEST_M_S, "%": 100.0, "": 1.0}
 GRID_ROUNDING = 1e-9
-OUTCOME_VALUES = ("perforated", "stopped")
+OUTCOMES = ("perforated", "stopped")
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
 LIBRARIES = ("numpy",)
@@ -254,8 +255,8 @@ def write_sweep(
         tell(f"warning: {line}")
     threads = threads if workers is None else 1
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
-    fits = partial(is_part_of, source, quantities)
-    with Store(output, job_of(scenario, source, quantities), tell, replace=replace, fits=fits) as store:
+    job, fits = job_of(scenario, source, quantities), partial(is_part_of, source)
+    with Store(output, job, types_of(source, quantities), tell, replace=replace, fits=fits) as store:
         if size is None:
             try:
                 effort = effort_of(scenario, source, quantities, output, threads, workers)
@@ -304,10 +305,15 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
     return Chunk({**rows, **results}, warnings)
 
 
-def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
+def types_of(source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, Any]:
+    """Return the types of the columns in numpy, by name: of the keys of a source, and of quantities."""
+    types = {key: values.dtype for key, values in source.rows(np.arange(1)).items()}
+    return types | {name: np.array(OUTCOMES if name == "outcome" else 0.0).dtype for name in quantities}
+
+
+def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
     """Return whether a chunk from a file has the rows of a source from `start` on, and possible quantities."""
-    names = list(dict.fromkeys([*source.keys, *quantities]))
-    if [*chunk.columns] != names or chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
+    if chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
         return False
     rows = source.rows(np.arange(start, start + chunk.rows))
     return all(
@@ -319,9 +325,7 @@ def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int,
 def is_possible(quantity: str, values: NDArray[Any]) -> bool:
     """Return whether all values of a column, (n,), are possible for a quantity."""
     if quantity == "outcome":
-        return bool(np.isin(values, OUTCOME_VALUES).all())
-    if values.dtype.kind != "f":
-        return False
+        return bool(np.isin(values, OUTCOMES).all())
     known = values[~np.isnan(values)]
     greatest = GREATEST.get(QUANTITIES[quantity].unit, np.finfo(np.float64).max)
     return bool(((known >= -GRID_ROUNDING) & (known <= greatest + GRID_ROUNDING)).all())
