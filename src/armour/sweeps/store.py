@@ -88,7 +88,7 @@ class Store:
 
     def __enter__(self) -> "Store":
         refuse(unwritable(self.output))
-        if exchangeable(self.output.parent, stat.S_IWOTH):
+        if exchangeable(self.output.parent):
             message = "must be in a folder that no other user can exchange or, like /tmp, one with the sticky bit"
             raise mistake(self.output, "", message)
         self._check_output()

@@ -30,7 +30,6 @@ from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.scenario.schema import FASTEST_M_S
 from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
 from armour.sweeps.store import RESUME, Chunk, Store
 from armour.sweeps.tables import csv_of, read_table
@@ -47,9 +46,7 @@ SAMPLES = (4, 4, 32, 256, 2048)
 LONG_S = 3600.0
 MANY_ROWS = 10**8
 
-# Values that rows read from a file may have: at most the greatest by unit, but for rounding, and the outcomes.
-GREATEST = {"m/s": FASTEST_M_S, "%": 100.0, "": 1.0}
-GRID_ROUNDING = 1e-9
+# Outcomes in a table.
 OUTCOMES = ("perforated", "stopped")
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
@@ -312,23 +309,12 @@ def types_of(source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, 
 
 
 def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
-    """Return whether a chunk from a file has the rows of a source from `start` on, and possible quantities."""
+    """Return whether a chunk from a file has the rows of a source from `start` on, and outcomes that are ones."""
     if chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
         return False
     rows = source.rows(np.arange(start, start + chunk.rows))
-    return all(
-        np.array_equal(rows[name], values) if name in rows else is_possible(name, values)
-        for name, values in chunk.columns.items()
-    )
-
-
-def is_possible(quantity: str, values: NDArray[Any]) -> bool:
-    """Return whether all values of a column, (n,), are possible for a quantity."""
-    if quantity == "outcome":
-        return bool(np.isin(values, OUTCOMES).all())
-    known = values[~np.isnan(values)]
-    greatest = GREATEST.get(QUANTITIES[quantity].unit, np.finfo(np.float64).max)
-    return bool(((known >= -GRID_ROUNDING) & (known <= greatest + GRID_ROUNDING)).all())
+    is_same = all(np.array_equal(values, chunk.columns[key]) for key, values in rows.items())
+    return is_same and bool(np.isin(chunk.columns.get("outcome", ()), OUTCOMES).all())
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:

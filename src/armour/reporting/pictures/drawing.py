@@ -21,7 +21,7 @@ from armour.scenario.inputs import VELOCITY
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
-INK, SOFT, PAPER = "#16191c", "#6a7178", "#ffffff"
+INK, SOFT = "#16191c", "#6a7178"
 # Colours, line styles and markers of series one after the other, so that they differ in more than colour.
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
 STYLES: Any = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
