@@ -23,7 +23,7 @@ from armour.planning.firing import plan_shots
 from armour.planning.procedures import OperatingPoint
 from armour.reporting.by_result import draw, drawing_of
 from armour.reporting.pictures import analysis, design, statistics, sweeps, validation
-from armour.reporting.pictures.drawing import BLUE, INK, VERMILION, Picture, Points, Sheet, drawn
+from armour.reporting.pictures.drawing import BLUE, Picture, Points, Sheet, drawn
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -170,42 +170,49 @@ def designs(confidence: float | None = None, ceramic: str | None = "AD85") -> De
     )
 
 
-def frontiers(axes: Axes) -> list[ContourSet]:
-    """Lines on a map where a quantity is 0."""
-    sets = (lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled)
-    return [lines for lines in sets if list(lines.levels) == [0.0]]
-
-
-def test_a_map_has_the_frontiers_and_the_lightest_designs():
+def test_a_map_has_the_line_of_what_is_required_and_the_best_design():
     found = designs(0.9)
     axes = picture_of(found).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ceramic thickness, mm")
-    assert [to_hex(np.asarray(lines.get_edgecolor())[0]) for lines in frontiers(axes)] == [VERMILION, BLUE]
-    assert labels(axes)[:2] == ["perforated more often than not", "stopped in 90 % of cases or more"]
-    assert {"thicknesses tested", "thicknesses on offer"} <= set(labels(axes))
-    even, best = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
-    assert even.get_markerfacecolor() == "none"
+    lines = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
+    [line] = [each for each in lines if list(each.levels) == [0.0]]
+    assert to_hex(np.asarray(line.get_edgecolor())[0]) == BLUE
     thicknesses = best_of(found).backing_thickness_mm, best_of(found).ceramic_thickness_mm
+    assert labels(axes)[0] == "stopped in 90 % of cases or more"
+    assert labels(axes)[-2] == "equal areal density, kg/m²"
+    assert labels(axes)[-1].startswith(f"best: {thicknesses[1]:g} on {thicknesses[0]:g} mm, areal density ")
+    [best] = [line for line in axes.lines if isinstance(line, Points)]
     assert (x_of(best)[0], y_of(best)[0]) == thicknesses
-    assert f"{thicknesses[1]:g} on {thicknesses[0]:g} mm\n" in "".join(words_in(axes))
 
 
-def test_a_frontier_is_where_the_probability_is_that_of_its_line():
+def test_the_line_is_where_the_probability_is_the_required_one():
     """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
     found = designs(0.9)
     _, [pair_map] = design._maps(found)
-    [values] = [each[0] for each in pair_map.frontiers() if each[2] == "stopped in 90 % of cases or more"]
+    values, _ = pair_map.required()
     for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
         by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in values]
         assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
 
 
-def test_without_a_confidence_the_map_shows_the_usual_one():
-    axes = picture_of(designs()).axes[0]
-    assert "stopped in 95 % of cases or more" in labels(axes)
-    [best] = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
-    assert best.get_color() == INK
-    assert best.words[0].endswith(" stopped\noutside the tests")
+def test_without_a_confidence_the_line_is_that_of_the_limit():
+    found = designs()
+    _, [pair_map] = design._maps(found)
+    values, words = pair_map.required()
+    assert words == "ballistic limit by the model ≥ velocity"
+    np.testing.assert_array_equal(values, pair_map.grid.limits_m_s[..., 0] - 800.0)
+
+
+def test_the_line_of_several_requirements_is_where_all_are_met():
+    _, [pair_map] = design._maps(optimise(shipped_scenario("catalogue").replaced({"design.confidence": 0.9})))
+    values, words = pair_map.required()
+    assert words == "meets the requirements"
+    margins, known = pair_map.catalogue.margins_m_s, ~np.isnan(values)
+    by_model = (pair_map.grid.limits_m_s - margins)[..., margins > 0.0] - pair_map.catalogue.velocities_m_s[
+        margins > 0.0
+    ]
+    surely = pair_map.grid.stopped_with(0.9) - pair_map.catalogue.velocities_m_s
+    np.testing.assert_array_equal(values[known], np.concatenate([by_model, surely], axis=-1).min(axis=-1)[known])
 
 
 def test_designs_of_bare_plates_are_drawn_over_their_thickness():
@@ -216,11 +223,11 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
     assert stop.get_markerfacecolor() != others.get_markerfacecolor() == "none"
 
 
-def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
-    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)))
+def test_designs_of_which_no_probability_is_known_have_no_line_of_one():
+    case = scenario(ceramic="SiC", optimise=OFFERED, design={"confidence": 0.9})
+    picture = picture_of(optimise(case))
     assert picture.note == "No probability is known for these designs."
-    assert "ballistic limit by the model = velocity" in labels(*picture.axes)
-    assert not [lines for lines in picture.axes[0].collections if isinstance(lines, ContourSet) and lines.filled]
+    assert labels(*picture.axes)[0] == "equal areal density, kg/m²"
 
 
 def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front():
