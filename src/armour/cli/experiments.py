@@ -8,7 +8,6 @@ from typing import Any
 import typer
 
 import armour
-import armour.lazy as lazy
 from armour.cli import completion, runner
 from armour.cli.console import progress, say
 from armour.cli.options import (
@@ -104,7 +103,7 @@ def v50(
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, computed="the ballistic limit")
-    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
     options = given(
         pairs=pairs,
         span_m_s=span_m_s,
@@ -175,10 +174,12 @@ def calibrate(
     as_json: bool = AS_JSON,
 ) -> None:
     """Fit model inputs to tests."""
+    from armour.statistics.fitted_library import library_text, scenario_text
+
     if is_table(scenario):
         table, scenario = scenario, table
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
@@ -188,8 +189,8 @@ def calibrate(
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law))
     files: Files = {
         csv: lambda _: rows_csv(result),
-        library: lambda _: lazy.library_text(result, tests, loaded, lot),
-        fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
+        library: lambda _: library_text(result, tests, loaded, lot),
+        fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
     }
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
@@ -204,7 +205,9 @@ def calibrate(
 
 def is_table(path: Path) -> bool:
     """Return whether a file is a table, by its name; commands accept a table before or after a scenario."""
-    return path.suffix.lower() in (".csv", ".tsv", ".txt", *lazy.WORKBOOKS) or path.as_posix() in shipped_tests()
+    from armour.csv_files import WORKBOOKS
+
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
 def _scenario_of(
@@ -309,7 +312,7 @@ def plan_shots(
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes)
-    check_outputs(inputs=[scenario, table, *(earlier or ())], scenario=loaded, plot=plot, force=force)
+    check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
     is_fired, is_divided = result is not None, each or sheet is not None
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),

@@ -1,6 +1,6 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -8,7 +8,6 @@ from typing import Any
 import typer
 
 import armour
-import armour.lazy as lazy
 from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, show, show_json
@@ -32,6 +31,7 @@ from armour.cli.options import (
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
 from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
+from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
@@ -60,19 +60,22 @@ def simulate(
     as_json: bool = AS_JSON,
 ) -> None:
     """Simulate one impact."""
+    from armour.evidence.tests import scenario_warnings
+    from armour.reporting.views.analysis import history_csv
+
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
-    check_outputs(tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(tables=[history], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
+    of_limit = () if limit is None else scenario_warnings(loaded, limit, "ballistic_limit", said=True)
     warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
     extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    files: Files = {history: lambda _: lazy.history_csv(result)}
+    files: Files = {history: lambda _: history_csv(result)}
     answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
@@ -86,10 +89,10 @@ def ballistic_limit(
 ) -> None:
     """Find the ballistic limit."""
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result), *result.warnings)
+    warnings = _of_limit(result)
     answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
 
 
@@ -103,11 +106,18 @@ def compare(
 ) -> None:
     """Compare the model with simpler formulas."""
     loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
+    warnings = _of_limit(result.limit)
     answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+
+
+def _of_limit(limit: "armour.LimitResult") -> tuple[str, ...]:
+    """Return the warnings of a ballistic limit, also those that its tables contain."""
+    from armour.analysis.ballistic_limit import not_monotonic
+
+    return (*not_monotonic(limit), *limit.warnings)
 
 
 def check(
@@ -139,6 +149,10 @@ def check(
     the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
     """
+    from armour.design.against import moved
+    from armour.reporting.formats import markdown_report
+    from armour.reporting.views import design as views
+
     paths = scenario_paths(scenario, yes=yes)
     is_one = paths == scenario[:1]  # false for a folder, however many scenarios are in it
     if plot is not None and not is_one:
@@ -146,8 +160,8 @@ def check(
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, either(probability, confidence))
     earlier = None if against is None else read_json(against)
-    inputs = [*paths, against, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
-    check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
+    inputs = [*paths, against]
+    check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, scenarios=scenarios, plot=plot, force=force)
     results: list[armour.CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -158,16 +172,16 @@ def check(
             if results:
                 emit("\n")
             first, *other_lines = result.heading()
-            show(*other_lines, *lazy.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
+            show(*other_lines, *views.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
+        suites.append(views.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.warnings, verbose=verbose)
     answers = [*zip(scenarios, results, strict=True)]
     data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
-    moves = [] if against is None else [*lazy.moved(earlier, data, str(against))]
-    of_moved = [] if against is None else lazy.tables_of_moved(moves, str(against))
+    moves = [] if against is None else [*moved(earlier, data, str(against))]
+    of_moved = [] if against is None else views.tables_of_moved(moves, str(against))
     if against is not None:
-        suites.append(lazy.moved_junit(moves, str(against), runner.origin_of()))
+        suites.append(views.moved_junit(moves, str(against), runner.origin_of()))
     if as_json:
         if against is not None:
             by_scenario = {
@@ -179,13 +193,13 @@ def check(
     else:
         if not is_one:
             emit("\n")
-            show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
+            show(views.check_summary({loaded.file: found for loaded, found in answers}))
         if of_moved:
             emit("\n")
             show(*of_moved)
     files: Files = {
-        junit: lambda _: lazy.junit_xml(suites),
-        markdown: lambda _: lazy.markdown_report(lazy.check_report(answers, of_moved)),
+        junit: lambda _: junit_xml(suites),
+        markdown: lambda _: markdown_report(views.check_report(answers, of_moved)),
         csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
@@ -229,18 +243,21 @@ def optimise(
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
     """
+    from armour.design.optimise import effort
+    from armour.reporting.views.design import design_csv
+
     loaded = read_scenario(scenario, changes, DESIGNS, {}, "the design", either(probability, confidence))
-    check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(page, tables=[csv], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
-        designs, seconds = lazy.effort(loaded)
+        designs, seconds = effort(loaded)
         threats = counted(len(loaded.threats()), "threat")
         runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
-    files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
+    files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if source != "-" and result.shown is not None:
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
@@ -253,18 +270,21 @@ def _map(
     scenario: "armour.Scenario",
     source: str,
     changes: Sequence[str],
-    on_progress: "lazy.OnProgress",
+    on_progress: Callable[[int, int | None], None],
 ) -> str:
     """Return the HTML page with the map of all designs.
 
     `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
     """
+    from armour.reporting import design_page, words
+    from armour.reporting.views.design import design_title, design_verdict
+
     command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    verdict = [str(line) for line in lazy.design_verdict(result)]
+    verdict = [str(line) for line in design_verdict(result)]
     if (best := result.best) is not None:  # what the page does not show: sampled probabilities, and own tests
-        own_tests = lazy.tested_here(best.model_error) if best.model_error else []
-        verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return lazy.design_page(scenario, command, needed, on_progress, verdict)
+        own_tests = words.tested_here(best.model_error) if best.model_error else []
+        verdict = [design_title(result), *own_tests] if best.probabilities or own_tests else []
+    return design_page.design_page(scenario, command, needed, on_progress, verdict)
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
@@ -297,7 +317,7 @@ def sensitivity(
     by 1 %.
     """
     loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.sensitivity(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
@@ -315,7 +335,7 @@ def uncertainty(
     """Propagate input uncertainty to the outcome and the ballistic limit."""
     reads = ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR)
     loaded = read_scenario(scenario, changes, reads, {"--samples": ("uncertainty.samples", samples)})
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("samples") as count:
         result = armour.uncertainty(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
@@ -358,7 +378,7 @@ def sweep(
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
     loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
-    check_outputs(output, inputs=[scenario, cases], scenario=loaded, plot=plot, force=force)
+    check_outputs(output, inputs=[scenario, cases], scenarios=[loaded], plot=plot, force=force)
     keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
     runner.check_options(
         ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
@@ -396,6 +416,11 @@ def report(
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
     """
+    from armour.reporting import formats, scenario_report
+    from armour.reporting.views.validation import suite_report
+    from armour.scenario.scenario import files_of, scenario_file
+    from armour.validation.suite import suite_files
+
     probability = either(probability, confidence)
     required = [] if probability is None else ["--probability", str(probability)]
     changes = changes or []
@@ -404,7 +429,7 @@ def report(
     optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
     map_command = shell_line([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
-        source = lazy.scenario_file(source, shipped_suites())
+        source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     runner.check_options(
         ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
@@ -412,20 +437,20 @@ def report(
     )
     if is_suite:
         suite = armour.load_suite(source, changes_of(changes))
-        inputs = lazy.suite_files(suite)
+        inputs = suite_files(suite)
     else:
         reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
         scenario = read_scenario(source, changes, reads, {}, "the report", probability)
-        inputs = [source, *lazy.files_of(scenario)]
+        inputs = [source, *files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
-    refuse(wrong_ending(output, lazy.REPORT_ENDINGS))
+    refuse(wrong_ending(output, formats.REPORT_ENDINGS))
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
-            content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
+            content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            contents = lazy.contents_of(scenario, count, as_is=as_is)
-        content = lazy.scenario_report(contents, command, map_command)
+            contents = scenario_report.contents_of(scenario, count, as_is=as_is)
+        content = scenario_report.scenario_report(contents, command, map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
-    write({output: lambda path: lazy.report_text(content, path)})
+    write({output: lambda path: formats.report_text(content, path)})
