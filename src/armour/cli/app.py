@@ -2,6 +2,7 @@
 
 import logging
 import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
@@ -14,11 +15,12 @@ from typer.core import TyperCommand, TyperGroup
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli import experiments, scenario_commands, suites
-from armour.cli.console import emit, say
+from armour.cli.console import discard, emit, say
 from armour.cli.library import init, library, schema
 from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
+from armour.files import reason
 from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
@@ -94,6 +96,10 @@ def _reported() -> Iterator[None]:
     except ArmourError as error:
         say(str(error))
         raise typer.Exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT) from None
+    except OSError as error:  # such as a full disk, for what rich prints
+        discard(sys.stdout)
+        say(f"{error.filename or 'standard output'}: {reason(error)}")
+        raise typer.Exit(WRONG_INPUT) from None
     except KeyboardInterrupt as interrupt:
         say("; ".join(("interrupted", *interrupt.args)))
         raise typer.Exit(INTERRUPTED) from None
