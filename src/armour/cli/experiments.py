@@ -8,6 +8,7 @@ from typing import Any
 import typer
 
 import armour
+from armour.analysis.quantities import ANSWERS
 from armour.cli import completion, runner
 from armour.cli.console import progress, say
 from armour.cli.options import (
@@ -28,7 +29,6 @@ from armour.cli.options import (
     word_option,
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
-from armour.cli.scenario_commands import LIMIT_READS
 from armour.errors import point_hint
 from armour.files import shell_line, shipped_tests
 from armour.reporting.table import rows_csv
@@ -102,7 +102,7 @@ def v50(
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
-    loaded = _scenario_of(scenario, changes, computed="the ballistic limit")
+    loaded = _scenario_of(scenario, changes, "v50")
     check_outputs(tables=[csv, curve], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
     options = given(
         pairs=pairs,
@@ -178,7 +178,7 @@ def calibrate(
 
     if is_table(scenario):
         table, scenario = scenario, table
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
+    loaded = read_scenario(scenario, changes, ANSWERS["calibrate"])
     check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
@@ -210,15 +210,10 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
-def _scenario_of(
-    path: Path | None, changes: list[str] | None, computed: str = "the answer"
-) -> "armour.Scenario | None":
-    """Read a scenario for its ballistic limit; return None without a path.
-
-    `changes` are those of ``--set``, and `computed` names the result in messages.
-    """
+def _scenario_of(path: Path | None, changes: list[str] | None, command: str) -> "armour.Scenario | None":
+    """Read a scenario for a command, with the changes of ``--set``; return None without a path."""
     if path is not None:
-        return read_scenario(path, changes, LIMIT_READS, computed=computed)
+        return read_scenario(path, changes, ANSWERS[command])
     if changes:
         raise wrong_option("--set", "must be given with a scenario")
     return None
@@ -311,7 +306,7 @@ def plan_shots(
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
-    loaded = _scenario_of(scenario, changes)
+    loaded = _scenario_of(scenario, changes, "plan_shots")
     check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
     is_fired, is_divided = result is not None, each or sheet is not None
     check_options(

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import armour
+from armour.analysis.quantities import Answer
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
@@ -127,17 +128,16 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
 def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,
-    reads: Collection[str],
+    asked: Answer,
     settings: Mapping[str, tuple[str, float | None]] = {},
-    computed: str = "the answer",
     probability: Any = None,
 ) -> "armour.Scenario":
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
-    ``assignments`` are those of ``--set``; they must set keys that the command ``reads``, or keys below these.
-    ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  ``computed``
-    names the result of the command in messages.  Errors in a value that an option sets name the option.  The scenario
-    requires at least the ``probability`` of stopping each threat, if one is given.
+    ``assignments`` are those of ``--set``; they must set keys that the answer ``asked`` for reads, or keys below these.
+    ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  Errors in a
+    value that an option sets name the option.  The scenario requires at least the ``probability`` of stopping each
+    threat, if one is given.
     """
     from armour.scenario import effect, scenario
 
@@ -156,10 +156,11 @@ def read_scenario(
     data = parse_toml(text, file)
     with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
         loaded = scenario.parse_changed(data, changes, file=file, folder=folder)
+    computed, reads = asked
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
-        reads = {*reads, VELOCITY}
+        reads = (*reads, VELOCITY)
     effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     with as_options("requiring"):
         return loaded.requiring(probability)

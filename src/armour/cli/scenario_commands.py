@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 import armour
-from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
+from armour.analysis.quantities import ANSWERS, QUANTITIES, Answer, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, show, show_json
 from armour.cli.folders import YES, scenario_paths
@@ -33,20 +33,8 @@ from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
-from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
+from armour.scenario.inputs import ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
-
-# Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
-CHECK = (
-    *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
-    *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
-    *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
-    *("design.ceramic", "design.backing"),
-)
-# Sections and keys that ballistic limits, impacts and checks depend on; see `armour.scenario.effect`.
-LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
-IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
-CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 
 
 def simulate(
@@ -64,7 +52,7 @@ def simulate(
     from armour.reporting.views.analysis import history_csv
 
     settings = {"--velocity": (VELOCITY, velocity)}
-    loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
+    loaded = read_scenario(scenario, changes, ANSWERS["simulate"], settings)
     check_outputs(tables=[history], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
@@ -88,12 +76,11 @@ def ballistic_limit(
     as_json: bool = AS_JSON,
 ) -> None:
     """Find the ballistic limit."""
-    loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
+    loaded = read_scenario(scenario, changes, ANSWERS["ballistic_limit"])
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = _of_limit(result)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, warnings=_of_limit(result), plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -105,12 +92,11 @@ def compare(
     as_json: bool = AS_JSON,
 ) -> None:
     """Compare the model with simpler formulas."""
-    loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
+    loaded = read_scenario(scenario, changes, ANSWERS["compare"])
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = _of_limit(result.limit)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, warnings=_of_limit(result.limit), plot=plot, as_json=as_json, verbose=verbose)
 
 
 def _of_limit(limit: "armour.LimitResult") -> tuple[str, ...]:
@@ -217,7 +203,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, probability
     problems: list[Problem] = []
     for path in paths:
         try:
-            scenarios.append(read_scenario(path, changes, CHECK_READS, {}, "the check", probability))
+            scenarios.append(read_scenario(path, changes, ANSWERS["check"], probability=probability))
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
@@ -246,7 +232,7 @@ def optimise(
     from armour.design.optimise import effort
     from armour.reporting.views.design import design_csv
 
-    loaded = read_scenario(scenario, changes, DESIGNS, {}, "the design", either(probability, confidence))
+    loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability=either(probability, confidence))
     check_outputs(page, tables=[csv], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
@@ -279,7 +265,7 @@ def _map(
     from armour.reporting import design_page, words
     from armour.reporting.views.design import design_title, design_verdict
 
-    command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
+    command, needed = ["armour", "simulate", source], runner.accepted(changes, ANSWERS["simulate"].reads)
     verdict = [str(line) for line in design_verdict(result)]
     if (best := result.best) is not None:  # what the page does not show: sampled probabilities, and own tests
         own_tests = words.tested_here(best.model_error) if best.model_error else []
@@ -294,9 +280,8 @@ def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: st
     """
     values = best.changes_to(scenario)
     replaced = {*values, "design.confidence", "design.probability_of_stopping"}
-    kept = [
-        change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
-    ]
+    read = runner.accepted(changes, ANSWERS["check"].reads)
+    kept = [change for change in read if change.partition("=")[0].strip() not in replaced]
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.required_probability
     confidence = ["--confidence", f"{required:g}"] if required else []
@@ -316,7 +301,7 @@ def sensitivity(
     The effects are elasticities: the change of ballistic limit and residual velocity, in per cent, when an input grows
     by 1 %.
     """
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
+    loaded = read_scenario(scenario, changes, ANSWERS["sensitivity"])
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.sensitivity(loaded, on_progress=count)
@@ -333,8 +318,7 @@ def uncertainty(
     as_json: bool = AS_JSON,
 ) -> None:
     """Propagate input uncertainty to the outcome and the ballistic limit."""
-    reads = ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR)
-    loaded = read_scenario(scenario, changes, reads, {"--samples": ("uncertainty.samples", samples)})
+    loaded = read_scenario(scenario, changes, ANSWERS["uncertainty"], {"--samples": ("uncertainty.samples", samples)})
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("samples") as count:
         result = armour.uncertainty(loaded, on_progress=count)
@@ -377,7 +361,7 @@ def sweep(
 
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
+    loaded = read_scenario(scenario, changes, Answer("the sweep", (*ROUND_AND_ARMOUR, *reads)))
     check_outputs(output, inputs=[scenario, cases], scenarios=[loaded], plot=plot, force=force)
     keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
     runner.check_options(
@@ -390,11 +374,6 @@ def sweep(
         source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
-
-
-# Keys whose texts a report shows, and keys that a report on the scenario's own armour depends on.
-BYLINE = ("author", "project", "date")
-AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR, "optimise")
 
 
 def report(
@@ -425,7 +404,7 @@ def report(
     required = [] if probability is None else ["--probability", str(probability)]
     changes = changes or []
     command = runner.command_line()
-    set_words = runner.set_options(runner.accepted(changes, DESIGNS))
+    set_words = runner.set_options(runner.accepted(changes, ANSWERS["optimise"].reads))
     optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
     map_command = shell_line([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
@@ -439,8 +418,8 @@ def report(
         suite = armour.load_suite(source, changes_of(changes))
         inputs = suite_files(suite)
     else:
-        reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-        scenario = read_scenario(source, changes, reads, {}, "the report", probability)
+        asked = ANSWERS["report --as-is" if as_is else "report"]
+        scenario = read_scenario(source, changes, asked, probability=probability)
         inputs = [source, *files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
     refuse(wrong_ending(output, formats.REPORT_ENDINGS))
