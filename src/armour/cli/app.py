@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
+from inspect import getdoc
 from shutil import get_terminal_size
 from typing import Any
 
@@ -26,6 +27,8 @@ from armour.scenario.keys import describe
 WRONG_INPUT, INTERRUPTED = 2, 130
 # Least width of a terminal in which rich does not cut the longest names of options, characters.
 LEAST_WIDTH = 70
+# Heading, in the docstring of a command, of examples, which the tests run.
+EXAMPLES = "\n\nExamples\n--------\n"
 
 
 class _Helpful:
@@ -160,66 +163,37 @@ def _plan() -> None:
     """Plan the next shot of a V50 firing."""
 
 
-W, SUITE = "wilkins", "paper"
-
-# Commands by their heading in the help, each with examples; the tests run them.
-COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
-    "Predict": {
-        scenario_commands.simulate: (f"simulate {W}", f"simulate {W} --velocity 700 --history run.csv --plot run.svg"),
-        scenario_commands.ballistic_limit: (
-            f"ballistic-limit {W}",
-            f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json",
-        ),
-        scenario_commands.check: (f"check {W} --probability 0.9", "check wilkins bare_plate --junit check.xml"),
-        scenario_commands.sweep: (
-            f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",
-        ),
-    },
-    "Design": {
-        scenario_commands.optimise: (
-            f"optimise {SUITE}/optimum_7.62mm_AP --confidence 0.9",
-            "optimise catalogue --plot study.svg --csv front.csv",
-        ),
-        scenario_commands.report: (f"report {SUITE}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
-    },
-    "Judge the answer": {
-        scenario_commands.uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
-        scenario_commands.sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
-        scenario_commands.compare: (f"compare {W}",),
-        suites.validate: ("validate", "validate paper --junit junit.xml"),
-        suites.figures: ("figures . --only fig09",),
-    },
-    "Use test data": {
-        experiments.v50: (f"v50 tests/shots {W} --plot v50.svg",),
-        experiments.calibrate: (
-            f"calibrate tests/wilkins {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
-            f"calibrate tests/wilkins {W} --law backing --write-scenario fitted.toml --lot 'lot 7'",
-        ),
-        experiments.plan_shots: (
-            f"plan shots {W}",
-            f"plan shots {W} firing.csv --result complete --plot plan.svg",
-            f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
-        ),
-    },
-    "Prepare the input": {
-        init: (
-            "init mine.toml",
-            "init mine.toml --from paper/fig9_4mm --force",
-            "init suite.toml --from wilkins --from catalogue",
-        ),
-        library: ("library", "library SiC", "library metals --tested", "library 7.62 steel"),
-        schema: ("schema",),
-    },
+# Commands by their heading in the help.
+COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {
+    "Predict": (
+        scenario_commands.simulate,
+        scenario_commands.ballistic_limit,
+        scenario_commands.check,
+        scenario_commands.sweep,
+    ),
+    "Design": (scenario_commands.optimise, scenario_commands.report),
+    "Judge the answer": (
+        scenario_commands.uncertainty,
+        scenario_commands.sensitivity,
+        scenario_commands.compare,
+        suites.validate,
+        suites.figures,
+    ),
+    "Use test data": (experiments.v50, experiments.calibrate, experiments.plan_shots),
+    "Prepare the input": (init, library, schema),
 }
+
+
 for _panel, _commands in COMMANDS.items():
-    for _command, _examples in _commands.items():
-        _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
+    for _command in _commands:
+        _help, _, _examples = (getdoc(_command) or "").partition(EXAMPLES)
+        _parts = ["Examples:", *(f"`{example}`" for example in _examples.splitlines())]
         if _command is scenario_commands.sweep:
             # In the text below, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
-        _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
+        _name, _epilog = _command.__name__.replace("_", "-"), "\n\n".join(_parts)
         if _command is experiments.plan_shots:
-            plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)
+            plan.command(_name.removeprefix("plan-"), cls=Command, help=_help, epilog=_epilog)(_command)
         else:
-            app.command(_name, cls=Command, epilog=_epilog, rich_help_panel=_panel)(_command)
+            app.command(_name, cls=Command, help=_help, epilog=_epilog, rich_help_panel=_panel)(_command)
 app.add_typer(plan, name="plan", rich_help_panel="Use test data")

@@ -97,6 +97,10 @@ def v50(
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
+
+    Examples
+    --------
+    armour v50 tests/shots wilkins --plot v50.svg
     """
     from armour.cli.firings import each_result
 
@@ -173,7 +177,13 @@ def calibrate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Fit model inputs to tests."""
+    """Fit model inputs to tests.
+
+    Examples
+    --------
+    armour calibrate tests/wilkins wilkins --write mine.toml --lot 'lot 7' --plot fit.svg
+    armour calibrate tests/wilkins wilkins --law backing --write-scenario fitted.toml --lot 'lot 7'
+    """
     from armour.statistics.fitted_library import library_text, scenario_text
 
     if is_table(scenario):
@@ -301,6 +311,12 @@ def plan_shots(
 
     The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
+
+    Examples
+    --------
+    armour plan shots wilkins
+    armour plan shots wilkins firing.csv --result complete --plot plan.svg
+    armour plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15
     """
     from armour.cli import firings
 

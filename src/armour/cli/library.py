@@ -43,6 +43,13 @@ def library(
     """List projectiles, ceramics, threats and metals: all, or those with the words, in upper or lower case.
 
     If there is one, it is shown with the source of every value.
+
+    Examples
+    --------
+    armour library
+    armour library SiC
+    armour library metals --tested
+    armour library 7.62 steel
     """
     from armour.reporting.views import library as views
     from armour.scenario.library import search_library
@@ -90,7 +97,14 @@ def init(
     yes: bool = YES,
     force: bool = FORCE,
 ) -> None:
-    """Write a scenario, a suite, a table of tests or a notebook to start from."""
+    """Write a scenario, a suite, a table of tests or a notebook to start from.
+
+    Examples
+    --------
+    armour init mine.toml
+    armour init mine.toml --from paper/fig9_4mm --force
+    armour init suite.toml --from wilkins --from catalogue
+    """
     if names:
         from armour.reporting.views.library import shipped_tables
 
@@ -141,6 +155,10 @@ def schema() -> None:
     """Print the JSON Schema of a scenario.
 
     Editors use it to complete and check scenario files.
+
+    Examples
+    --------
+    armour schema
     """
     from armour.scenario.scenario import scenario_schema
 

@@ -47,7 +47,13 @@ def simulate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Simulate one impact."""
+    """Simulate one impact.
+
+    Examples
+    --------
+    armour simulate wilkins
+    armour simulate wilkins --velocity 700 --history run.csv --plot run.svg
+    """
     from armour.evidence.tests import scenario_warnings
     from armour.reporting.views.analysis import history_csv
 
@@ -75,7 +81,13 @@ def ballistic_limit(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Find the ballistic limit."""
+    """Find the ballistic limit.
+
+    Examples
+    --------
+    armour ballistic-limit wilkins
+    armour ballistic-limit wilkins --set armour.ceramic_thickness_mm=8 --json
+    """
     loaded = read_scenario(scenario, changes, ANSWERS["ballistic_limit"])
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
@@ -91,7 +103,12 @@ def compare(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Compare the model with simpler formulas."""
+    """Compare the model with simpler formulas.
+
+    Examples
+    --------
+    armour compare wilkins
+    """
     loaded = read_scenario(scenario, changes, ANSWERS["compare"])
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
@@ -134,6 +151,11 @@ def check(
     The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it has all that
     the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
+
+    Examples
+    --------
+    armour check wilkins --probability 0.9
+    armour check wilkins bare_plate --junit check.xml
     """
     from armour.design.against import moved
     from armour.reporting.formats import markdown_report
@@ -228,6 +250,11 @@ def optimise(
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
+
+    Examples
+    --------
+    armour optimise paper/optimum_7.62mm_AP --confidence 0.9
+    armour optimise catalogue --plot study.svg --csv front.csv
     """
     from armour.design.optimise import effort
     from armour.reporting.views.design import design_csv
@@ -300,6 +327,10 @@ def sensitivity(
 
     The effects are elasticities: the change of ballistic limit and residual velocity, in per cent, when an input grows
     by 1 %.
+
+    Examples
+    --------
+    armour sensitivity wilkins --plot sensitivity.svg
     """
     loaded = read_scenario(scenario, changes, ANSWERS["sensitivity"])
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
@@ -317,7 +348,12 @@ def uncertainty(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Propagate input uncertainty to the outcome and the ballistic limit."""
+    """Propagate input uncertainty to the outcome and the ballistic limit.
+
+    Examples
+    --------
+    armour uncertainty uncertain --plot uncertainty.svg
+    """
     loaded = read_scenario(scenario, changes, ANSWERS["uncertainty"], {"--samples": ("uncertainty.samples", samples)})
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("samples") as count:
@@ -356,7 +392,12 @@ def sweep(
     changes: list[str] | None = CHANGES,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Compute quantities over a grid or a table of cases; resume if interrupted."""
+    """Compute quantities over a grid or a table of cases; resume if interrupted.
+
+    Examples
+    --------
+    armour sweep wilkins --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg
+    """
     from armour.cli import sweeping
 
     names = [name.strip() for name in quantities.split(",")]
@@ -394,6 +435,11 @@ def report(
     """Write a report.
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
+
+    Examples
+    --------
+    armour report paper/optimum_7.62mm_AP -o report.html
+    armour report paper -o suite.html
     """
     from armour.reporting import formats, scenario_report
     from armour.reporting.views.validation import suite_report

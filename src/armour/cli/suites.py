@@ -44,6 +44,11 @@ def validate(
 
     The exit code is 3 if a value lies outside its band, with --update a value that is not replaced; if a band of more
     than 10 % has no reason; or if no case is scored.
+
+    Examples
+    --------
+    armour validate
+    armour validate paper --junit junit.xml
     """
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import validation as views
@@ -128,6 +133,10 @@ def figures(
     """Draw the paper's figures.
 
     These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
+
+    Examples
+    --------
+    armour figures . --only fig09
     """
     drawing = runner.drawing()
 
