@@ -24,6 +24,8 @@ from armour.errors import Problem, mistake, refuse, suggestion
 _FORMULA = re.compile(r"""(^(?='*[=+\-@\t\r\n])|;(?=["']*[=+\-@\t\r\n]))""")
 _PREVENTED = re.compile(r"""(?:(^)'(?='*[=+\-@\t\r\n])|(;)'(?=["']*[=+\-@\t\r\n]))""")
 
+# Endings of workbooks.
+WORKBOOKS = (".xlsx", ".xlsm")
 # Greatest length of a file; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
 # Greatest depth of the tables in a file, and a key of as many parts, on which the parser would take long.

@@ -1,6 +1,5 @@
 """Assemble the commands of the program with their help and examples, and turn errors into exit codes."""
 
-import logging
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -115,17 +114,6 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     omitted = len(problems) - MAX_PROBLEMS
     return [*messages, f"and {omitted} more problems"] if omitted > 0 else messages
 
-
-class _Saying(logging.Handler):
-    """Prints on standard error what the program logs, such as that it compiles, which takes a while."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Print a message."""
-        say(record.getMessage())
-
-
-logging.getLogger("armour").setLevel(logging.INFO)
-logging.getLogger("armour").addHandler(_Saying())
 
 app = typer.Typer(
     cls=Reporting,

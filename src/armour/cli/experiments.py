@@ -30,7 +30,7 @@ from armour.cli.options import (
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
 from armour.errors import point_hint
-from armour.files import shell_line, shipped_tests
+from armour.files import WORKBOOKS, shell_line, shipped_tests
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
@@ -215,8 +215,6 @@ def calibrate(
 
 def is_table(path: Path) -> bool:
     """Return whether a file is a table, by its name; commands accept a table before or after a scenario."""
-    from armour.csv_files import WORKBOOKS
-
     return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
