@@ -296,7 +296,7 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit equals the engine's to the last bit.
-            brackets = batch.ballistic_limits(row.parameters, *scanned[i : i + 2], tolerance, settings, 2)
+            brackets = batch.ballistic_limits(row.parameters, scanned[i], scanned[i + 1], tolerance, settings, 2)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
             below, above = (search.impact(armour, velocity, settings) for velocity in scanned[i : i + 2])
