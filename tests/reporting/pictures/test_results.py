@@ -219,8 +219,9 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
     [axes] = picture_of(designs(0.9, None)).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ballistic limit, m/s")
     assert [item for item in axes.collections if isinstance(item, PolyCollection)]
-    stop, others = [line for line in axes.lines if isinstance(line, Points)]
-    assert stop.get_markerfacecolor() != others.get_markerfacecolor() == "none"
+    [best] = [line for line in axes.lines if isinstance(line, Points)]
+    assert x_of(best)[0] == best_of(designs(0.9, None)).backing_thickness_mm
+    assert y_of(best)[0] == pytest.approx(best_of(designs(0.9, None)).ballistic_limit_m_s, abs=0.5)
 
 
 def test_designs_of_which_no_probability_is_known_have_no_line_of_one():

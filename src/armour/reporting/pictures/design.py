@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,29 +85,36 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
 
 
 def _nodes(offered: Any) -> Any:
-    """Return evenly spaced thicknesses over the range on offer, mm, with all those on offer if they are few."""
-    even = np.linspace(offered[0], offered[-1], MAP_NODES) if len(offered) > 1 else offered
-    return np.union1d(even, offered) if len(offered) <= MAP_NODES else even
+    """Return evenly spaced thicknesses over the range on offer, mm."""
+    return np.linspace(offered[0], offered[-1], MAP_NODES) if len(offered) > 1 else offered
 
 
 def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the ballistic limits of pairs of materials over the thickness of one layer, with a panel for each threat."""
-    catalogue = maps[0].catalogue
-    stop = " as required" if any(maps[0].confidences) else " by the model"
-    bands = []
+    bands, notes = [], []
     if not all(np.isnan(pair_map.grid.stopped_m_s).all() for pair_map in maps):
         bands.append("velocities that are stopped with 95 to 5 %")
     if any(pair_map.over_sources is not None for pair_map in maps):
-        stop += ", untested ones even with the least flow stress of their sources"
-        bands.append("the limits with these flow stresses")
-    note = f"Filled dots are designs on offer that stop the threat{stop}."
-    note += f" Bands show {' or '.join(bands)}." if bands else ""
+        bands.append("the limits with the flow stresses that sources give for untested ceramics")
+    if bands:
+        notes.append(f"Bands show {' or '.join(bands)}.")
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
+<<<<<<< HEAD
         note += " Squares and dashed lines are outside the tests."
     picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
+=======
+        notes.append("Dashed lines are outside the tests.")
+    note = " ".join(notes)
+    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    for place, (axes, threat) in enumerate(zip(picture.axes, maps[0].catalogue.threats, strict=True)):
+>>>>>>> smaller
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
+        if (best := result.shown) is not None:
+            thickness, grid = getattr(best, f"{layer}_thickness_mm"), maps[0].grid
+            limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), grid.limits_m_s[..., place].ravel())
+            maps[0].draw_best(axes, best, thickness, limit)
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
         axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
     picture.axes[-1].set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
@@ -162,11 +168,22 @@ class _Map:
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         label = f"equal {view.OBJECTIVE_WORDS[self.result.minimised].heading}"
         drawing.contours(axes, x, y, objective, 5, at=-0.55, label=label, linestyle=":", color=drawing.SOFT)
+<<<<<<< HEAD
         best, look = self.result.shown, dict[str, Any](markersize=9.0)
         look["color"] = drawing.VERMILION if self.result.reason else drawing.INK
         text = _design_text(best, self.result.minimised)
         label = f"{'nearest' if self.result.reason else 'best'}: {text}"
         drawing.points(axes, [best.backing_thickness_mm], [best.ceramic_thickness_mm], [text], label=label, **look)
+=======
+        if (best := self.result.shown) is not None:
+            self.draw_best(axes, best, best.backing_thickness_mm, best.ceramic_thickness_mm)
+
+    def draw_best(self, axes: Axes, best: Design, x: float, y: float) -> None:
+        """Draw the best or nearest design at a place of the panel."""
+        look: Any = {"markersize": 9.0, "color": drawing.VERMILION if self.result.reason else drawing.INK}
+        text = _design_text(best, self.result.minimised)
+        drawing.points(axes, [x], [y], [text], label=f"{'nearest' if self.result.reason else 'best'}: {text}", **look)
+>>>>>>> smaller
 
     @cached_property
     def over_sources(self) -> Any:
@@ -191,7 +208,7 @@ class _Map:
     def draw_line(self, axes: Axes, layer: str, threat: int, colour: str) -> None:
         """Draw the ballistic limits against a threat over the thickness of a layer.
 
-        Bands show the limits over the sources of the flow stress, and the model error.  Dots are the designs on offer.
+        Bands show the limits over the sources of the flow stress, and the model error.
         """
         x = getattr(self.grid, f"{layer}_mm")
         limits = self.grid.limits_m_s[..., threat].ravel()
@@ -203,23 +220,8 @@ class _Map:
             axes.fill_between(
                 x, low_m_s[..., threat].ravel(), high_m_s[..., threat].ravel(), color=colour, **drawing.BAND
             )
-        is_outside = self.is_outside(threat)
-        drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
-        offer = getattr(self.catalogue.offers[self.grid.pair], layer)
-        if offer.free_range():
-            return
-        offered = np.searchsorted(x, offer.thicknesses())
-        least = limits if by_source is None else by_source[0]
-        of_threat = self.catalogue.threats[threat]
-        stops = least >= of_threat.required_m_s
-        if (confidence := self.confidences[threat]) is not None:
-            stopped_m_s = self.grid.stopped_with(confidence)[..., threat].ravel()
-            decided = ~np.isnan(stopped_m_s) & (of_threat.margin_m_s == 0.0)
-            stops = (stops | decided) & (np.isnan(stopped_m_s) | (stopped_m_s >= of_threat.velocity_m_s))
-        for filled, marker in product((True, False), (INSIDE_MARK, OUTSIDE_MARK)):
-            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_MARK)]
-            words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
-            drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour, marker=marker)
+        label = drawing.legible(self.name(layer))
+        drawing.curve(axes, x, limits, self.is_outside(threat), color=colour, label=label)
 
     def is_outside(self, threat: int) -> Any:
         """Return whether each design of the map lies outside the tests against a threat, (designs,)."""
