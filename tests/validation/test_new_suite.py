@@ -72,7 +72,7 @@ def test_what_has_no_answer_is_not_scored_for_the_reason():
     assert [case.get("not_scored", "").partition(";")[0] for case in found] == [
         "",
         "not known: no test of My alumina on metal is known",
-        "the flow stress of My alumina has fewer than two sources, so no design with it is named best",
+        "no design is known to pass",
     ]
     assert cases(scenario(ballistic_limit={"velocity_max_m_s": 100.0}))[0]["not_scored"].startswith(
         "no ballistic limit"

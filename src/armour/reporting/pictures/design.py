@@ -99,22 +99,15 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     if bands:
         notes.append(f"Bands show {' or '.join(bands)}.")
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
-<<<<<<< HEAD
-        note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
-    for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
-=======
         notes.append("Dashed lines are outside the tests.")
     note = " ".join(notes)
-    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, maps[0].catalogue.threats, strict=True)):
->>>>>>> smaller
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
-        if (best := result.shown) is not None:
-            thickness, grid = getattr(best, f"{layer}_thickness_mm"), maps[0].grid
-            limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), grid.limits_m_s[..., place].ravel())
-            maps[0].draw_best(axes, best, thickness, limit)
+        thickness, grid = getattr(result.shown, f"{layer}_thickness_mm"), maps[0].grid
+        limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), grid.limits_m_s[..., place].ravel())
+        maps[0].draw_best(axes, result.shown, thickness, limit)
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
         axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
     picture.axes[-1].set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
@@ -168,22 +161,14 @@ class _Map:
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         label = f"equal {view.OBJECTIVE_WORDS[self.result.minimised].heading}"
         drawing.contours(axes, x, y, objective, 5, at=-0.55, label=label, linestyle=":", color=drawing.SOFT)
-<<<<<<< HEAD
-        best, look = self.result.shown, dict[str, Any](markersize=9.0)
-        look["color"] = drawing.VERMILION if self.result.reason else drawing.INK
-        text = _design_text(best, self.result.minimised)
-        label = f"{'nearest' if self.result.reason else 'best'}: {text}"
-        drawing.points(axes, [best.backing_thickness_mm], [best.ceramic_thickness_mm], [text], label=label, **look)
-=======
-        if (best := self.result.shown) is not None:
-            self.draw_best(axes, best, best.backing_thickness_mm, best.ceramic_thickness_mm)
+        best = self.result.shown
+        self.draw_best(axes, best, best.backing_thickness_mm, best.ceramic_thickness_mm)
 
     def draw_best(self, axes: Axes, best: Design, x: float, y: float) -> None:
         """Draw the best or nearest design at a place of the panel."""
         look: Any = {"markersize": 9.0, "color": drawing.VERMILION if self.result.reason else drawing.INK}
         text = _design_text(best, self.result.minimised)
         drawing.points(axes, [x], [y], [text], label=f"{'nearest' if self.result.reason else 'best'}: {text}", **look)
->>>>>>> smaller
 
     @cached_property
     def over_sources(self) -> Any:
