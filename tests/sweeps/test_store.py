@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from contextlib import closing
 from errno import ENOSPC
+from functools import partial
 from pathlib import Path
 from time import time
 from typing import Any
@@ -154,6 +155,22 @@ def test_rows_that_are_damaged_after_they_were_read_make_no_table(output: Path):
             store.finish()
     assert not output.exists()
     assert finished(output) == [f"{rows_of(output)}: damaged, all but the first 3 rows are computed again"]
+
+
+def test_no_journal_is_ever_beside_the_rows(output: Path, monkeypatch: pytest.MonkeyPatch):
+    """A second sweep that saw one for a moment would refuse the folder."""
+    seen, connect = set[str](), sqlite3.connect
+
+    class Watched(sqlite3.Connection):
+        def close(self) -> None:
+            seen.update(path.name[-8:] for path in rows_of(output).parent.iterdir())
+            super().close()
+
+    monkeypatch.setattr("sqlite3.connect", partial(connect, factory=Watched))
+    filled(output, 2)
+    finished(output)
+    assert "rows-wal" in seen
+    assert "-journal" not in seen
 
 
 def test_one_process_at_a_time(output: Path):

@@ -1,6 +1,7 @@
 """Variants of a scenario as rows for the compiled engine, their ballistic limits and their least thicknesses."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -44,9 +45,7 @@ class Thinnest(NamedTuple):
     changes_again: Bools  # whether a thicker layer is known to be perforated; only unusual rows are searched for this
 
 
-class Variants(NamedTuple):
-    """n variants of a scenario."""
-
+class _Rows(NamedTuple):
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
@@ -55,6 +54,10 @@ class Variants(NamedTuple):
     materials: tuple[Materials, ...]
     own_strength: bool = True  # whether the back plates have the strength of the library
     threads: int | None = None  # on which the engine computes; None for one per core
+
+
+class Variants(_Rows):
+    """n variants of a scenario."""
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
         """Return some of the rows, given their indices, a mask or a slice."""
@@ -76,7 +79,7 @@ class Variants(NamedTuple):
             errors.ratio.weights[:, known[far]] = np.nan
         return errors
 
-    @property
+    @cached_property
     def armours(self) -> Armours:
         """The armours of the rows."""
         return Armours(batch.fields(self.parameters), self.cosines, self.material_of_row, self.materials)

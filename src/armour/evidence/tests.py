@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, cached_property
 from math import log
 from typing import Any, NamedTuple
 
@@ -203,13 +203,15 @@ class Materials(NamedTuple):
     backing: LibraryEntry
 
 
-class Armours(NamedTuple):
-    """n armours with their projectiles."""
-
+class _Rows(NamedTuple):
     parameters: Parameters  # of the core, arrays, (n,)
     cosines: Any  # of the obliquities, (n,)
     material_of_row: Any  # index of the materials of each armour, (n,)
     materials: Sequence[Materials]
+
+
+class Armours(_Rows):
+    """n armours with their projectiles."""
 
     def at(self, where: Any) -> "Armours":
         """Return some of the armours, given their indices or a mask."""
@@ -232,23 +234,28 @@ class Armours(NamedTuple):
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
         return quantities(self.parameters, tensile[self.material_of_row], self.cosines)
 
-    def by_evidence(self) -> Iterator[tuple[Evidence, Any]]:
-        """Yield each evidence with a mask of the armours that it applies to, (n,).
+    def by_evidence(self) -> Sequence[tuple[Evidence, Any]]:
+        """Return each evidence with a mask of the armours that it applies to, (n,); it is looked up once.
 
         The evidence on an armour is the own tests of its ceramic or its bare plate, or else the closest shipped tests.
         """
-        is_bare, has_shipped = self.parameters.Hc0 == 0.0, np.ones(len(self.material_of_row), dtype=bool)
+        return self._by_evidence
+
+    @cached_property
+    def _by_evidence(self) -> list[tuple[Evidence, Any]]:
+        found, is_bare, has_shipped = [], self.parameters.Hc0 == 0.0, np.ones(len(self.material_of_row), dtype=bool)
         for place, materials in enumerate(self.materials):
             for entry, has_kind in ((materials.ceramic, ~is_bare), (materials.backing, is_bare)):
                 rows = (self.material_of_row == place) & has_kind
                 if entry is not None and entry.evidence is not None and rows.any():
                     has_shipped = has_shipped & ~rows
-                    yield own_evidence(entry, entry.evidence), rows
+                    found.append((own_evidence(entry, entry.evidence), rows))
         q = self.quantities()
         nearest = np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
         for place, evidence in enumerate(shipped_evidence()):
             if (rows := has_shipped & (nearest == place)).any():
-                yield evidence, rows
+                found.append((evidence, rows))
+        return found
 
 
 def materials_of(scenario: Scenario) -> Materials:

@@ -258,7 +258,7 @@ def has_locks(path: Path) -> bool:
     path.touch()
     try:
         with closing(sqlite3.connect(path)) as database:
-            database.execute("begin exclusive")
+            database.executescript("pragma journal_mode = off; begin exclusive")
         return True
     except sqlite3.OperationalError:
         return False
