@@ -85,7 +85,7 @@ def test_shots_without_a_curve_have_a_posterior():
     for shots in (Shots((700.0, 720.0), (False, False)), Shots((740.0, 700.0), (False, True))):
         result = v50(shots, scenario(), prior=True)
         assert (result.fits, result.recommended, result.mean) == ((), None, None)
-        assert ": V50 7" in repr(result)
+        assert repr(result).endswith(": V50 not bounded by these shots>")
     with pytest.raises(InputError, match="must have at least one shot, found none"):
         v50(Shots((), ()), scenario(), prior=True)
 
@@ -101,7 +101,7 @@ def test_a_v50_beyond_the_shots_without_a_bounded_interval_is_not_the_answer():
     result = answer(OUTSIDE)
     assert known(result.recommended).v50_m_s < 720.0
     assert result.extrapolated
-    assert "V50 not bounded by 5 shots" in repr(result)
+    assert "V50 not bounded by these shots" in repr(result)
     assert not answer(OPEN).extrapolated
 
 
