@@ -271,7 +271,7 @@ def _chances(rows: Variants, errors: ErrorRows) -> Floats:
     for law, [weight] in enumerate(errors.ratio.weights.tolist()):
         if weight > 0.0:
             limits = by_laws(rows, errors, np.full(len(stopping), law)).limits_anywhere()
-            stopping += weight * errors.of_law(law).times(limits).probability_above(rows.velocities)
+            stopping += weight * errors.of_shots.of_law(law).times(limits).probability_above(rows.velocities)
     return 1.0 - stopping
 
 

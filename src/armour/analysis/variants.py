@@ -167,6 +167,11 @@ class Variants(NamedTuple):
         errors = self.errors
         return errors.ratio.times(self.limits_by_law(errors, limits))
 
+    def shot_distributions(self, limits: Floats) -> Mixture:
+        """Return the distributions of the velocities below which n armours stop a shot; argument as above."""
+        errors = self.errors
+        return errors.of_shots.ratio.times(self.limits_by_law(errors, limits))
+
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
         """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
 

@@ -43,7 +43,7 @@ class WhatIf:
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     probability_of_stopping : float or None
-        Probability that the armour stops the projectile; None if it is not known.
+        Probability that the armour stops a shot; None if it is not known.
     """
 
     change: str
@@ -70,7 +70,7 @@ class CheckedThreat:
     margin_m_s, required_margin_m_s : float
         Excess of the ballistic limit over the velocity, m/s, None without a limit; and the required excess.
     probability_of_stopping, required_probability : float or None
-        Probability that the armour stops the projectile, None if unknown; and the required one, None if there is none.
+        Probability that the armour stops a shot, None if unknown; and the required one, None if there is none.
     reason : str
         Reason why the probability is not known.
     probability_at_normal_incidence : float or None
@@ -92,6 +92,9 @@ class CheckedThreat:
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
     name : str
         Name of the threat without its numbers, as it stays if only these change.
+    probability_v50_exceeds_velocity : float or None
+        Probability that the ballistic limit of the armour, V50, exceeds the velocity, without the scatter of shots and
+        for exact inputs; None if it is not known.
     """
 
     threat: str
@@ -114,6 +117,7 @@ class CheckedThreat:
     sampled: Estimate | None = None
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
     name: str = ""
+    probability_v50_exceeds_velocity: float | None = None
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change; its probability of stopping is that with exact inputs."""
@@ -298,6 +302,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
         sampled=sampled,
         outside_tests=outside_tests(row.armours, row.velocities)[0],
         name=threat.round_name,
+        probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )
 
 

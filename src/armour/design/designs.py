@@ -113,14 +113,14 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
     for law, weights in enumerate(errors.ratio.weights):
         used = np.flatnonzero(weights > 0.0)
         with np.errstate(divide="ignore"):
-            velocities = rows.velocities / errors.of_law(law).quantile(bounds).clip(min=0.0)
+            velocities = rows.velocities / errors.of_shots.of_law(law).quantile(bounds).clip(min=0.0)
         by_law = rows.by_law(law, errors) if law else rows
         is_stopped = stopped(by_law._replace(velocities=velocities).at(used), runs)
         by_any[used] |= is_stopped
         by_all[used] &= is_stopped
     within, undecided = by_any & by_all, np.flatnonzero(by_any & ~by_all)
     rows = rows.at(undecided)
-    distributions = rows.limit_distributions(rows.limits_anywhere(runs))
+    distributions = rows.shot_distributions(rows.limits_anywhere(runs))
     within[undecided] = distributions.probability_above(rows.velocities) >= 1.0 - bounds[undecided]
     return within
 
@@ -135,7 +135,7 @@ def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> Floats:
     slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
     bounded = np.flatnonzero(required.bounds < 1.0)
     if len(bounded):
-        distributions = rows.at(bounded).limit_distributions(limits[bounded])
+        distributions = rows.at(bounded).shot_distributions(limits[bounded])
         slack_by_error = distributions.quantile(required.bounds[bounded]) - rows.velocities[bounded]
         slack[bounded] = np.minimum(slack[bounded], slack_by_error)
     return slack

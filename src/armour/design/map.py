@@ -54,9 +54,9 @@ def design_map(
     candidates = catalogue.combinations(pair, ceramics, backings)
     rows = catalogue.against_each(candidates)
     limits = rows.limits_anywhere(on_progress)
-    # The velocity that is stopped with a probability p is the quantile of the ballistic limit at 1 - p.
+    # The velocity of shots that are stopped with a probability p is the quantile at 1 - p.
     tails = 1.0 - np.array(probabilities)
-    distributions = rows.limit_distributions(limits)
+    distributions = rows.shot_distributions(limits)
     with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
     stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])

@@ -690,6 +690,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     [limits], [slack], [governing] = designs.limits_m_s(where), designs.slack_m_s(where), _governing(designs, where)
     rows = designs.rows_of(place)
     distributions, limit = rows.limit_distributions(limits), float(limits[governing])
+    shots = rows.shot_distributions(limits)
     stops = stopped(rows._replace(velocities=rows.velocities + catalogue.margins_m_s), Runs()).tolist()
     sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
     requirements: list[Requirement] = []
@@ -699,7 +700,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     for i, (threat, limit_m_s) in enumerate(zip(catalogue.threats, limits.tolist(), strict=True)):
         title, estimate = threat.title, sampled.get(threat.title)
         # One by one: for several at once scipy would be imported.
-        by_error = float(distributions.one(i).probability_above(threat.velocity_m_s))
+        by_error = float(shots.one(i).probability_above(threat.velocity_m_s))
         chance = (None if isnan(by_error) else by_error) if estimate is None else 1.0 - estimate.value
         armour, ceramic = Parameters(*rows.parameters[i].tolist()), catalogue.materials[pair].ceramic
         required = list(
