@@ -463,18 +463,22 @@ def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | Non
 
 
 def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
-    """Return the probability that an armour stops the projectile at its impact velocity; None if it is not known.
+    """Return the probability that an armour stops a shot at its impact velocity; None if it is not known.
 
     An error without a limit means that no velocity up to 10,000 m/s perforates.  The probability for a limit of
     10,000 m/s is then a lower bound, returned if it exceeds 0.995.
     """
-    velocity = scenario.impact.velocity_m_s
+    by_tests = probability_by_tests(scenario, limit_m_s, error)
+    return by_tests if by_tests is None or error is None else min(by_tests, error.greatest_probability)
+
+
+def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+    """Return this probability without its upper bound, `greatest_probability` of the model error."""
     if error is None:
         return None
-    if limit_m_s is not None:
-        return float(error.probability_of_stopping(limit_m_s, velocity))
-    lower_bound = float(error.probability_of_stopping(FASTEST_M_S, velocity))
-    return lower_bound if lower_bound > SURE else None
+    limit = FASTEST_M_S if limit_m_s is None else limit_m_s
+    probability = float(error.of_shots.probability_above(scenario.impact.velocity_m_s / limit))
+    return probability if limit_m_s is not None or probability > SURE else None
 
 
 def no_error(scenario: Scenario) -> str:

@@ -10,6 +10,7 @@ from armour.analysis.ballistic_limit import (
     confidence_in,
     limit_and_error,
     needed_flow_stress,
+    probability_by_tests,
     probability_of_stopping,
 )
 from armour.analysis.estimates import Estimate
@@ -253,7 +254,8 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
     row, section = row_of(against), against.design or DesignSection()
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
-    probability, sampled = result.probability_of_stopping, None
+    probability, sampled = probability_by_tests(against, limit, error), None
+    greatest = 1.0 if error is None else error.greatest_probability
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
@@ -270,6 +272,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
             probability,
             sampled,
             stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
+            greatest=greatest,
         )
     )
     what_ifs = []
@@ -290,7 +293,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
         interval_m_s=result.interval_m_s,
         margin_m_s=None if limit is None else limit - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
-        probability_of_stopping=probability,
+        probability_of_stopping=None if probability is None else min(probability, greatest),
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
@@ -299,7 +302,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
         verdict=verdict_of(row.verdict for row in requirements),
         what_ifs=tuple(what_ifs),
         requirements=requirements,
-        sampled=sampled,
+        sampled=sampled and sampled.at_least(1.0 - greatest),
         outside_tests=outside_tests(row.armours, row.velocities)[0],
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,

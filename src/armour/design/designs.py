@@ -52,7 +52,7 @@ class Required(NamedTuple):
 
     limits_m_s: Floats  # least ballistic limits by the model; 0 where a probability alone decides
     bounds: Floats  # greatest probabilities of perforation, given the model error; 1 if none is required or known
-    unknown: Bools  # whether a required probability is not known, or a layer lies between tile and plate
+    unknown: Bools  # whether a required probability is not known or not stated, or a layer is between tile and plate
 
 
 def required_of(catalogue: Catalogue, rows: Variants) -> Required:
@@ -64,11 +64,13 @@ def required_of(catalogue: Catalogue, rows: Variants) -> Required:
     count = len(rows.velocities) // len(catalogue.threats)
     bounded = np.tile(catalogue.bounds < NO_BOUND, count)
     bounds, margins = np.tile(catalogue.exact_bounds, count), np.tile(catalogue.margins_m_s, count)
-    known = bounded.copy()
+    stated = known = bounded.copy()
     if catalogue.bounded:
-        known &= rows.errors.known
+        errors = rows.errors
+        known = bounded & errors.known
+        stated = known & (1.0 - np.tile(catalogue.bounds, count) <= errors.greatest)
     limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
-    unknown = (bounded & ~known) | (catalogue.scenario.interlayers > 0)
+    unknown = (bounded & ~stated) | (catalogue.scenario.interlayers > 0)
     return Required(limits, np.where(known, bounds, 1.0), unknown)
 
 

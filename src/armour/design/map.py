@@ -29,7 +29,7 @@ class DesignMap(NamedTuple):
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
     # Velocities that are stopped with each of the probabilities, m/s, (ceramics, back plates, threats, probabilities);
-    # NaN if the model error is not known.
+    # NaN if the model error is not known, or if no such probability is stated so far from the tests.
     stopped_m_s: Floats
 
     def stopped_with(self, probability: float) -> Floats:
@@ -60,6 +60,7 @@ def design_map(
     with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
     stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
+    stopped[rows.errors.greatest[:, None] < np.array(probabilities)] = np.nan
     by_probability = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 

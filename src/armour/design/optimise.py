@@ -690,7 +690,7 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
     [limits], [slack], [governing] = designs.limits_m_s(where), designs.slack_m_s(where), _governing(designs, where)
     rows = designs.rows_of(place)
     distributions, limit = rows.limit_distributions(limits), float(limits[governing])
-    shots = rows.shot_distributions(limits)
+    shots, greatest = rows.shot_distributions(limits), rows.errors.greatest.tolist()
     stops = stopped(rows._replace(velocities=rows.velocities + catalogue.margins_m_s), Runs()).tolist()
     sampled = designs.reliability.probabilities(designs.columns, place, quick=False) if designs.reliability else {}
     requirements: list[Requirement] = []
@@ -704,11 +704,22 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
         chance = (None if isnan(by_error) else by_error) if estimate is None else 1.0 - estimate.value
         armour, ceramic = Parameters(*rows.parameters[i].tolist()), catalogue.materials[pair].ceramic
         required = list(
-            against_threat(catalogue.scenario, threat, armour, ceramic, limit_m_s, chance, estimate, stops=stops[i])
+            against_threat(
+                catalogue.scenario,
+                threat,
+                armour,
+                ceramic,
+                limit_m_s,
+                chance,
+                estimate,
+                stops=stops[i],
+                greatest=greatest[i],
+            )
         )
         lacks = (row.required - row.found for row in required if row.quantity == "margin_m_s" and row.found is not None)
         requirements += required
-        stopping[title], short[title] = chance, max(-float(slack[i]), 0.0, *lacks)
+        stopping[title] = None if chance is None else min(chance, greatest[i])
+        short[title] = max(-float(slack[i]), 0.0, *lacks)
         if named and chance is None and catalogue.untested[pair]:
             layers = {CERAMIC: design.ceramic_thickness_mm, BACKING: design.backing_thickness_mm}
             scenario, bound = catalogue.against(pair, i).replaced(layers), float(catalogue.bounds[i])
@@ -724,7 +735,11 @@ def _best(designs: Designs, place: int, *, named: bool = False) -> BestDesign:
         backing_density_kg_m3=offer.backing_density_kg_m3,
         margins_m_s=dict(zip(catalogue.titles, (limits - catalogue.velocities_m_s).tolist(), strict=True)),
         governing=catalogue.titles[governing],
-        probabilities=sampled,
+        probabilities={
+            title: sampled[title].at_least(1.0 - most)
+            for title, most in zip(catalogue.titles, greatest, strict=True)
+            if title in sampled
+        },
         probabilities_of_stopping=stopping,
         model_error=error_of(catalogue.scenario, ratio, rows.armours.at(np.array([governing])), limit),
         short_m_s=short,

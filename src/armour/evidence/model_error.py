@@ -14,7 +14,15 @@ from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import Fit, is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
-from armour.evidence.tests import Armours, Evidence, Materials, is_outside, is_untested, outside
+from armour.evidence.tests import (
+    Armours,
+    Evidence,
+    Materials,
+    greatest_probability,
+    is_outside,
+    is_untested,
+    outside,
+)
 from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import PAGE, SCATTER_KEYS
@@ -100,6 +108,8 @@ class ModelError:
         Standard deviation of the velocities that single shots need to perforate, per cent of V50.
     scatter_source : str
         Source of this scatter.
+    greatest_probability : float
+        Greatest probability of stopping that is stated, as the layers are thicker or thinner than tested ones.
     """
 
     mean_percent: float | None
@@ -112,6 +122,7 @@ class ModelError:
     tests_here: TestsHere | None = None
     scatter_percent: float = MEAN_SCATTER_PERCENT
     scatter_source: str = ASSUMED
+    greatest_probability: float = 1.0
 
     @classmethod
     def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), **others: Any) -> Self:
@@ -136,6 +147,11 @@ class ModelError:
         numbers = (self.mean_percent, self.scale_percent, self.degrees_of_freedom)
         mean, scale, freedom = (np.array([number], dtype=np.float64) for number in numbers)
         return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
+
+    @property
+    def of_shots(self) -> Mixture:
+        """Distribution of the velocity below which a shot is stopped, over the ballistic limit by the model."""
+        return self.ratio.of_shots(self.scatter_percent / 100.0)
 
     @checked
     def quantile(self, probability: FloatOrArray) -> Any:
@@ -163,9 +179,10 @@ class ModelError:
         """Return the probability that the armour stops a shot at a velocity.
 
         `limit_m_s` is the ballistic limit by the model, above 0; both are numbers or arrays, m/s.  The probability is
-        NaN where either is missing.
+        NaN where either is missing.  It is at most `greatest_probability`.
         """
-        return self.ratio.of_shots(self.scatter_percent / 100.0).probability_above(velocity_m_s / limit_m_s)
+        by_tests = self.of_shots.probability_above(velocity_m_s / limit_m_s)
+        return np.minimum(by_tests, self.greatest_probability)
 
     @checked
     def probability_v50_exceeds(self, limit_m_s: FloatOrArray, velocity_m_s: FloatOrArray) -> Any:
@@ -182,6 +199,7 @@ class ErrorRows(NamedTuple):
     ratio: Mixture  # actual over computed limits, (laws, n); weights are 0 for unused laws, NaN for unknown errors
     parameters: Floats  # of the core, by law and field of `LAW_FIELDS`, (laws, fields, n)
     scatters: Floats  # standard deviations of shots about V50, over V50, (n,)
+    greatest: Floats  # greatest probabilities of stopping that are stated, (n,)
 
     @classmethod
     def unknown(cls, count: int, laws: int = 1) -> "ErrorRows":
@@ -189,7 +207,8 @@ class ErrorRows(NamedTuple):
         shape = (laws, count)
         nothing, ones = np.zeros(shape), np.ones(shape)
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
-        return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)), np.full(count, MEAN_SCATTER_PERCENT / 100.0))
+        scatters, parameters = np.full(count, MEAN_SCATTER_PERCENT / 100.0), np.zeros((laws, len(LAW_FIELDS), count))
+        return cls(ratio, parameters, scatters, np.ones(count))
 
     @property
     def known(self) -> Any:
@@ -264,7 +283,8 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
-        return ErrorRows(repeated, np.zeros((1, len(LAW_FIELDS), count)), _scatters_of(scenario, armours))
+        scatters, parameters = _scatters_of(scenario, armours), np.zeros((1, len(LAW_FIELDS), count))
+        return ErrorRows(repeated, parameters, scatters, np.ones(count))
     as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     laws = [
         law
@@ -276,6 +296,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     errors.parameters[0] = law_of(armours.parameters)
     for law in laws:
         errors.ratio.weights[:, law.rows] = 0.0
+        errors.greatest[law.rows] = law.greatest
     for law in laws:
         errors.parameters[law.number][:, law.rows] = law_of(law.armours.parameters)
         arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
@@ -292,6 +313,7 @@ class LawOfRows(NamedTuple):
     armours: Armours  # these armours, with the parameters of the law
     fit: Fit
     doubted: Mapping[str, tuple[float, float]]  # ranges, by quantity, beyond which the trend is uncertain
+    greatest: Any  # greatest probabilities of stopping that are stated for these armours
 
     def ratio(self) -> tuple[Any, ...]:
         """Return weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`."""
@@ -317,7 +339,7 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
         places = np.flatnonzero(is_member)
         members = armours.at(places).at_normal_incidence() if at_normal else armours.at(places)
         q = members.quantities()
-        holds = evidence.holds(q)
+        holds, greatest = evidence.holds(q), greatest_probability(evidence, q)
         for own_fit, law in zip(evidence.fits, evidence.laws or [()], strict=False):
             has_law = np.flatnonzero(holds & ~is_outside(law, q))
             by_own_law = members.at(has_law)
@@ -326,7 +348,8 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
                 changes: dict[str, Any] = {} if fit is own_fit and not evidence.lot else dict(fit.law)
                 if changes and evidence.laws:
                     changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
-                yield LawOfRows(number, places[has_law], by_own_law.with_law(changes), fit, doubted)
+                of_law = by_own_law.with_law(changes)
+                yield LawOfRows(number, places[has_law], of_law, fit, doubted, greatest[has_law])
 
 
 def law_of(parameters: Parameters) -> Floats:
@@ -352,8 +375,15 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
     title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
     here = _tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None
     at_least = evidence.at_least if oblique else ""
-    far = outside(evidence.measured, q)
-    return ModelError.of_ratio(ratio, title, far, at_least=at_least, tests_here=here, **shots)
+    return ModelError.of_ratio(
+        ratio,
+        title,
+        outside(evidence.measured, q),
+        at_least=at_least,
+        tests_here=here,
+        greatest_probability=float(greatest_probability(evidence, q)[0]),
+        **shots,
+    )
 
 
 def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: float) -> TestsHere | None:

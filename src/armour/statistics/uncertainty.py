@@ -150,13 +150,14 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     exact = sampled(scenario, {}, 1)
     deterministic = float(sample_limits(exact)[0])
     error = model_error(exact.variants, deterministic)
+    least = 0.0 if error is None else 1.0 - error.greatest_probability
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, sampling.REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
         seed=section.seed,
         method=section.method,
         confidence=CONFIDENCE,
-        probability_of_perforation=sampling.probability_of_perforation(scenario),
+        probability_of_perforation=sampling.probability_of_perforation(scenario).at_least(least),
         ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in V_P.items()},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
