@@ -1,6 +1,6 @@
 """Compile the loops of `armour.engine.loops` when the program is built, by numba, into a library of C.
 
-The library needs no numba, and fits every Python on its system.  Without numba or a linker, Python runs the loops.
+The library needs no numba, and fits every Python on its system.  Without it, Python runs the loops.
 `python hatch_build.py` builds the library in a clone.
 """
 
@@ -79,7 +79,7 @@ def build() -> str:
     if not find_spec("numba"):
         return "numba is not installed"
     if not (linker() or find_spec("ziglang")):
-        return "there is no C compiler"
+        return "there is no C compiler; install one, or ziglang by pip"
     content = library(WINDOWS if sys.platform == "win32" else System())
     for file in compiled.FOLDER.glob("compiled-*.so"):
         file.unlink()
@@ -105,9 +105,10 @@ def library(system: System) -> bytes:
         for path, code in zip(objects, machine_code(system.triple), strict=True):
             Path(path).write_bytes(code)
         foreign = [*ZIG, "-shared", *(["-target", system.zig] if system.zig else [])]
-        file = Path(folder, "compiled.so")
-        subprocess.run([*((not system.zig and linker()) or foreign), "-o", str(file), *objects, "-lm"], check=True)
-        return file.read_bytes()
+        command = (not system.zig and linker()) or foreign
+        # A name without the folder, as a library of macOS has the name in it.
+        subprocess.run([*command, "-o", "compiled.so", *objects, "-lm"], cwd=folder, check=True)
+        return Path(folder, "compiled.so").read_bytes()
 
 
 def machine_code(triple: str) -> list[bytes]:
@@ -167,4 +168,4 @@ def machine_code(triple: str) -> list[bytes]:
 
 
 if __name__ == "__main__":
-    sys.exit(build())
+    sys.exit(build() or 0)

@@ -17,6 +17,7 @@ from .design.check import WhatIf as WhatIf
 from .design.check import check as check
 from .design.optimise import BestDesign as BestDesign
 from .design.optimise import Design as Design
+from .design.optimise import DesignOfFront as DesignOfFront
 from .design.optimise import DesignResult as DesignResult
 from .design.optimise import Pair as Pair
 from .design.optimise import optimise as optimise
@@ -26,6 +27,7 @@ from .errors import ArmourError as ArmourError
 from .errors import InputError as InputError
 from .errors import NoAnswerError as NoAnswerError
 from .errors import NoLimitError as NoLimitError
+from .errors import Note as Note
 from .errors import Problem as Problem
 from .evidence.model_error import ModelError as ModelError
 from .evidence.model_error import TestsHere as TestsHere

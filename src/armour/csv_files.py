@@ -28,7 +28,7 @@ from armour.columns import (
     letters,
 )
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
-from armour.files import csv_value, located, named, reason, refuse_pipe, shell_word, shipped_tests
+from armour.files import WORKBOOKS, csv_value, located, named, reason, refuse_pipe, shell_word, shipped_tests
 from armour.foreign import items, plain
 from armour.units import key_hint
 from armour.workbooks import MAX_UNPACKED, rows_of, workbook_of
@@ -40,8 +40,6 @@ MAX_LINE = 100_000
 # Number of first lines among which the header is; least number of known names in a header that is not the first line.
 HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-# Endings of workbooks.
-WORKBOOKS = (".xlsx", ".xlsm")
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 # Yes, in a column of crosses and blanks.

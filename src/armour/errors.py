@@ -12,9 +12,10 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 ASCII = "".join(map(chr, range(128)))
 # Greatest number of names to suggest one from, as a wrong name is compared with each of them.
@@ -55,15 +56,16 @@ class Problem(NamedTuple):
         return ": ".join(part for part in self if part)
 
 
-class Note(str):
-    """A warning on a result: a text, such as "impact.velocity_m_s: ...", with the key that it is about.
+@dataclass(frozen=True)
+class Note:
+    """A warning on a result.
 
     Attributes
     ----------
-    key : str
-        Dotted key that the warning is about; empty if it is about none.
     text : str
         What a reader should know.
+    key : str
+        Dotted key that the warning is about; empty if it is about none.
     brief : str
         What lies outside the tests of the model, in a few words; empty for other warnings.
     said : str
@@ -73,24 +75,18 @@ class Note(str):
         Kind of a caveat, with the numbers or the name that it is about; empty for other warnings.
     """
 
-    key: str
     text: str
-    brief: str
-    said: str
-    about: tuple[str | float, ...]
+    key: str = ""
+    brief: str = ""
+    said: str = ""
+    about: tuple[str | float, ...] = ()
 
-    def __new__(
-        cls, text: str, key: str = "", brief: str = "", *, said: str = "", about: tuple[str | float, ...] = ()
-    ) -> Self:
-        """Make a warning; see the attributes."""
-        note = super().__new__(cls, f"{key}: {text}" if key else text)
-        note.key, note.text, note.brief, note.said, note.about = key, text, brief, said, about
-        return note
+    def __str__(self) -> str:
+        return f"{self.key}: {self.text}" if self.key else self.text
 
     def against(self, threats: str) -> "Note":
         """Return the warning, about some threats only: " against M2", say; "" is for all."""
-        brief = self.brief and self.brief + threats
-        return Note(self.text + threats, self.key, brief, said=self.said, about=self.about)
+        return replace(self, text=self.text + threats, brief=self.brief and self.brief + threats)
 
 
 class ArmourError(Exception):
@@ -187,21 +183,20 @@ def duration(seconds: float) -> str:
     return f"{seconds / 86400:,.0f} days"
 
 
-def in_two_lines(warnings: Sequence[str], where: str) -> list[str]:
+def in_two_lines(notes: Sequence[Note], where: str) -> list[str]:
     """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
 
     Warnings that the answer contains are left out.  `where` says, in words, where all warnings are.
     """
-    warnings = [warning for warning in warnings if not (isinstance(warning, Note) and warning.said)]
-    outside = [warning for warning in warnings if isinstance(warning, Note) and warning.brief]
-    other_warnings = [warning for warning in warnings if warning not in outside]
-    briefs = list(dict.fromkeys(warning.brief for warning in outside))
-    lines: list[str] = list(outside[:1])
+    outside = [note for note in notes if note.brief and not note.said]
+    other_notes = [note for note in notes if not (note.brief or note.said)]
+    briefs = list(dict.fromkeys(note.brief for note in outside))
+    lines = list(map(str, outside[:1]))
     if len(briefs) > 1:
         lines = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
-    if other_warnings:
-        omitted = len(other_warnings) - 1
-        lines.append(f"{other_warnings[0]}; {omitted} more {where}" if omitted else other_warnings[0])
+    if other_notes:
+        omitted = len(other_notes) - 1
+        lines.append(f"{other_notes[0]}; {omitted} more {where}" if omitted else str(other_notes[0]))
     return lines
 
 

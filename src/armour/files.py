@@ -24,6 +24,8 @@ from armour.errors import Problem, mistake, refuse, suggestion
 _FORMULA = re.compile(r"""(^(?='*[=+\-@\t\r\n])|;(?=["']*[=+\-@\t\r\n]))""")
 _PREVENTED = re.compile(r"""(?:(^)'(?='*[=+\-@\t\r\n])|(;)'(?=["']*[=+\-@\t\r\n]))""")
 
+# Endings of workbooks.
+WORKBOOKS = (".xlsx", ".xlsm")
 # Greatest length of a file; a device such as /dev/zero has no end.
 MAX_BYTES = 10_000_000
 # Greatest depth of the tables in a file, and a key of as many parts, on which the parser would take long.
@@ -300,24 +302,12 @@ def write_file(path: Path, content: bytes) -> None:
         part.unlink(missing_ok=True)
 
 
-def exchangeable(folder: Path, writable: int, *, by_owners: bool = False) -> bool:
-    """Return whether another user could replace a folder.
-
-    This is the case if the mode of the folder, or of one above it, has bits of ``writable`` and no sticky bit or, with
-    ``by_owners``, if its owner is not this user, root or the owner of this user's home.
-    """
+def exchangeable(folder: Path) -> bool:
+    """Return whether another user could replace a folder: others may write to it, or above, without a sticky bit."""
     if not hasattr(os, "geteuid"):
         return False
-    trusted = {os.geteuid(), 0}
-    with suppress(OSError, RuntimeError):  # RuntimeError: no home
-        trusted.add(Path.home().stat().st_uid)
-    for path in {folder.absolute(), *folder.absolute().parents, *folder.resolve().parents}:
-        status = path.stat()
-        if status.st_mode & writable and not status.st_mode & stat.S_ISVTX:
-            return True
-        if by_owners and status.st_uid not in trusted:
-            return True
-    return False
+    modes = (path.stat().st_mode for path in {folder.absolute(), *folder.absolute().parents, *folder.resolve().parents})
+    return any(mode & stat.S_IWOTH and not mode & stat.S_ISVTX for mode in modes)
 
 
 def make_private(folder: Path) -> bool:
@@ -327,10 +317,3 @@ def make_private(folder: Path) -> bool:
     status = folder.lstat()
     is_own = not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o022)
     return stat.S_ISDIR(status.st_mode) and is_own
-
-
-def is_trusted(path: Path) -> bool:
-    """Return whether a folder or file can only have been written by this user or root, and is not a link."""
-    status = path.lstat()
-    is_own = not hasattr(os, "geteuid") or (status.st_uid in (os.geteuid(), 0) and not status.st_mode & 0o022)
-    return is_own and not stat.S_ISLNK(status.st_mode)

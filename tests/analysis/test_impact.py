@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
-from armour.analysis.impact import History, ImpactResult, energy_balance, simulate
+from armour.analysis.impact import History, ImpactResult, simulate
 from armour.errors import InputError
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.sensitivity import sensitivity
 from tests.helpers.cases import SCENARIOS, scenario, shipped_scenario
+from tests.helpers.energy import energy_balance
 from tests.helpers.known import known
 
 

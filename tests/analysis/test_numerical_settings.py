@@ -47,7 +47,7 @@ def test_designs_have_the_probability_of_their_armour(step_us: float, is_known: 
     case = scenario(velocity=500.0, design={**layers, "confidence": 0.9}, solver={"time_step_us": step_us})
     result = armour.optimise(case)
     assert (result.best is not None) == is_known
-    assert ("moves the ballistic limit by" in result.explanation) != is_known
+    assert ("moves the ballistic limit by" in result.shown.check.threats[0].reason) != is_known
 
 
 @pytest.mark.parametrize(("step_us", "count"), [(0.5, 13), (50.0, 11)])

@@ -60,7 +60,7 @@ def test_rows_of_results():
     assert design.to_dataframe()["ceramic_thickness_mm"] == [10.0, 8.0, 7.0]
     assert design.to_dataframe("pareto")["ceramic"] == ["AD85", "AD99.5"]
     empty = design_result().to_dataframe("pareto")
-    assert empty.keys() == design.to_dataframe().keys()
+    assert empty.keys() == design.to_dataframe("pareto").keys()
     assert not any(empty.values())
     assert list(impact().to_dataframe())[:2] == ["stage", "start_us"]
     assert v50(SHOTS).to_dataframe()["method"][0] == "penalised likelihood"

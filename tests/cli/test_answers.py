@@ -133,7 +133,7 @@ def test_calibrated_tests_are_shown_and_not_scored(cli, folder: Path):
     """A suite of the tests that an entry was calibrated to, and one that it was not."""
     data = json.loads(cli("calibrate", TESTS, WILKINS, "--write", "lib.toml", "--lot", "7", "--json").stdout)
     assert (len(data["coefficients"]), len(data["residuals"])) == (1, 13)
-    assert (data["p_value"], data["laws"]) == (None, [])
+    assert data["p_value"] is None
     (folder / "case.toml").write_text(
         WILKINS.read_text().replace('"AD85"', '"AD85, 7"') + '\n[library]\nfiles = ["lib.toml"]\n'
     )

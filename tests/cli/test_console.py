@@ -144,8 +144,7 @@ def test_searches_count_their_impacts(command: str, cli, monkeypatch: pytest.Mon
     counted = []
 
     @contextmanager
-    def progress(_what: str, _total: int | None = None, first: str = "") -> Iterator[Callable[..., None]]:
-        assert first
+    def progress(_what: str, _total: int | None = None) -> Iterator[Callable[..., None]]:
         yield lambda count, _total=None: counted.append(count)
 
     for module in (scenario_commands, experiments):

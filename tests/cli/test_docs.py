@@ -102,7 +102,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(("page", "commands"), SESSIONS)
-@pytest.mark.usefixtures("empty", "silent", "not_drawn")
+@pytest.mark.usefixtures("empty", "not_drawn")
 def test_a_session_prints_what_it_shows(page: Path, commands: list[tuple[str, list[str]]]):
     write_files(page)
     for command, lines in commands:

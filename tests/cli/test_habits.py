@@ -1,6 +1,8 @@
 """What every command has: changes, standard input, lines in messages, examples that run, a schema, plain colours."""
 
+import inspect
 import json
+import re
 import shlex
 import tomllib
 from functools import cache
@@ -20,7 +22,8 @@ pytestmark = pytest.mark.slow
 
 WILKINS = SCENARIOS / "wilkins.toml"
 
-EXAMPLES = [example for commands in COMMANDS.values() for examples in commands.values() for example in examples]
+DOCSTRINGS = [inspect.getdoc(command) or "" for commands in COMMANDS.values() for command in commands]
+EXAMPLES = re.findall(r"^armour (.*)", "\n".join(DOCSTRINGS), re.MULTILINE)
 # Commands of the documentation, which tests/cli/test_docs.py runs, and those of tests/cli/golden.
 SHOWN = [command for page in PAGES for session in sessions(page) for command, _ in session]
 PLAYED = [line.removeprefix("$ ") for path in GOLDEN.glob("*.txt") for line in path.read_text().splitlines()]

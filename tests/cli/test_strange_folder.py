@@ -117,7 +117,7 @@ def put_stores(here: Path, home: Path) -> None:
     (here / "link.csv.parts" / "rows").symlink_to(home / "database")
     store = here / "journal.csv.parts"
     with closing(sqlite3.connect(store / "rows")) as database, database:
-        database.execute("create table job (checksum, content)")
+        database.execute("create table chunk (start integer primary key, checksum, content)")
     keys, magic = bytes(home / "keys"), bytes.fromhex("d9d505f920a163d7")
     header = magic + struct.pack(">5I", 0, 1, 2, 512, 4096)
     ending = struct.pack(">I", 0) + keys + struct.pack(">2I", len(keys), sum(keys)) + magic

@@ -10,7 +10,7 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import QUANTITIES
 from armour.scenario.scenario import load_scenario
-from armour.sweeps.store import read_table
+from armour.sweeps.tables import read_table
 from tests.helpers.cases import SCENARIOS
 
 pytestmark = pytest.mark.slow

@@ -14,6 +14,7 @@ from armour.engine import batch
 from armour.errors import InputError
 from tests.design.results import best_of
 from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, offer, scenario
+from tests.helpers.known import known
 from tests.helpers.plain_designs import designs, posed, stops
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
@@ -69,9 +70,9 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
 def test_a_density_in_place_of_the_librarys():
     offers = catalogue_of(catalogue()).offers
     assert [offer.ceramic_density_kg_m3 for offer in offers] == [3430.0, 3430.0, 3900.0, 3900.0]
-    ceramics = [{"material": "AD85", "thickness_mm": [11.0], "density_kg_m3": 5000.0}]
+    ceramics = [{"material": "AD85", "thickness_mm": [11.0], "density_kg_m3": 3480.0}]
     best = best_of(optimise(catalogue(ceramic=ceramics)))
-    assert best.ceramic_density_kg_m3 == 5000.0
+    assert best.ceramic_density_kg_m3 == 3480.0
 
 
 def test_what_costs_nothing():
@@ -81,7 +82,7 @@ def test_what_costs_nothing():
     ]
     metal = [{"material": "6061-T6", "thickness_mm": [10.0], "cost_per_m2": 0.0}]
     result = optimise(catalogue(ceramic=free, backing=metal, minimise="cost_per_m2"))
-    assert [(pair.ceramic, pair.reason) for pair in result.pairs] == [("AD85", ""), ("AD99.5", "dearer")]
+    assert [(pair.ceramic, pair.excess_percent) for pair in result.pairs] == [("AD85", None), ("AD99.5", None)]
 
 
 @pytest.mark.parametrize("free", [{}, {"ceramic": [{"material": "AD99.5", "thickness_mm": {"min": 1.0, "max": 20.0}}]}])
@@ -93,13 +94,10 @@ def test_a_pair_without_a_design_says_which_constraint_keeps_it_out(free: dict[s
     }
     most = min(masses.values())
     held = optimise(catalogue(areal_density_max_kg_m2=most, thickness_max_mm=1000.0, **free)).pairs
-    assert {(pair.ceramic, pair.backing): pair.reason for pair in held} == {
-        names: f"design.areal_density_max_kg_m2: the lightest design that stops every threat has {mass:.4g} kg/m², "
-        f"at most {most:g} kg/m² is allowed"
-        if mass > most
-        else ""
-        for names, mass in masses.items()
-    }
+    for pair in held:
+        assert (pair.best is None) == (pair.nearest is not None) == (masses[pair.ceramic, pair.backing] > most)
+        if pair.nearest is not None:
+            assert pair.nearest.check.verdict == "fails"
 
 
 def test_a_pair_of_which_no_free_thickness_stops_the_threats():
@@ -107,7 +105,9 @@ def test_a_pair_of_which_no_free_thickness_stops_the_threats():
     ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
     for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):
         result = optimise(catalogue(ceramic=ceramics, backing=metals, **constraint))
-        assert [pair.reason for pair in result.pairs] == ["", "12 mm AD85 on 0.5 mm 7075-T6 lacks 260 m/s against M2"]
+        nearest = known(result.pairs[1].nearest)
+        assert (nearest.ceramic_thickness_mm, nearest.backing_thickness_mm) == (12.0, 0.5)
+        assert nearest.short_m_s["M2"] == pytest.approx(260.0, abs=0.5)
 
 
 def test_a_catalogue_of_bare_plates_needs_no_grid():
@@ -120,23 +120,16 @@ def test_a_catalogue_of_bare_plates_needs_no_grid():
 def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
     layers = offer("SiC", [8.0], "6061-T6", 8.0)
     found = optimise(scenario(design={**layers, "confidence": 0.9, "thickness_max_mm": 5.0}))
-    assert "the lightest design that stops 7.62 mm AP at 800 m/s by the computed limit has" in found.explanation
+    assert (found.reason, found.shown.check.threats[0].verdict) == ("none passes", "not known")
+    assert [row.verdict for row in found.shown.check.requirements] == ["fails"]
 
 
 def test_nothing_on_offer():
-    lightest = best_of(optimise(catalogue())).thickness_mm
-    least = f"the lightest design that stops every threat has {lightest:.4g} mm, at most 5 mm is allowed"
-    assert optimise(catalogue(thickness_max_mm=5.0)).explanation == f"design.thickness_max_mm: {least}"
+    assert optimise(catalogue(thickness_max_mm=5.0)).shown.exceeds.keys() == {"thickness_max_mm"}
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
-    for constraint, more in (
-        ({}, "; offer thicker layers in [design] or [optimise]"),
-        ({"thickness_max_mm": 20.0}, ""),
-        ({"confidence": 0.9}, " with the probability required; offer thicker layers"),
-    ):
+    for constraint in ({}, {"thickness_max_mm": 20.0}, {"confidence": 0.9}):
         result = optimise(catalogue(fast, **constraint))
-        assert result.reason == "none passes"
-        message = f"no design stops 7.62 mm AP at 2500 m/s and all slower impacts{more}"
-        assert result.explanation.startswith(message)
+        assert (result.best, result.reason, result.shown.check.verdict) == (None, "none passes", "fails")
 
 
 @pytest.mark.parametrize(
@@ -260,5 +253,5 @@ def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_wha
     by_limit = best_of(found(ceramics[1], confidence=None))
     assert second.best.ceramic_thickness_mm == by_limit.ceramic_thickness_mm
     assert third.best is None
-    assert third.reason.startswith("3 mm AD99.5 on 8 mm 6061-T6 lacks ")
-    assert third.reason.endswith(" m/s against 7.62 mm AP at 800 m/s")
+    assert known(third.nearest).ceramic_thickness_mm == 3.0
+    assert known(third.nearest).check.verdict == "fails"

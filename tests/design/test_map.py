@@ -5,7 +5,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.design.catalogue import Catalogue, catalogue_of
-from armour.design.map import DesignMap, design_map, lightest, thicknesses_tested
+from armour.design.map import DesignMap, design_map, thicknesses_tested
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario, shipped_scenario
 
@@ -64,21 +64,6 @@ def test_no_velocity_is_known_where_the_error_of_the_model_is_not():
     assert np.isfinite(of.limits_m_s).all()
     assert np.isnan(of.stopped_m_s).all()
     assert thicknesses_tested(silicon, 0, 0) == {}
-
-
-@pytest.mark.parametrize("pair", [0, 1])
-@pytest.mark.parametrize("probability", [0.5, 0.8])
-def test_the_lightest_is_that_of_all_designs_on_offer(pair: int, probability: float):
-    ceramics, backings = (layer.thicknesses() for layer in offered().offers[pair][:2])
-    every = design_map(offered(), pair, ceramics, backings, PROBABILITIES)
-    stops = (every.stopped_with(probability) >= offered().velocities_m_s).all(axis=-1).ravel()
-    design = lightest(offered(), pair, probability)
-    assert design is not None
-    assert design.areal_density_kg_m2 == every.candidates.areal_density_kg_m2[stops].min()
-
-
-def test_none_is_the_lightest_where_none_is_sure_enough():
-    assert lightest(offered(), 0, 0.95) is None
 
 
 def test_tested_thicknesses_are_those_of_wilkins():

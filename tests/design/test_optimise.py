@@ -68,7 +68,7 @@ def test_every_design_of_the_frontier_is_the_thinnest():
         assert design.areal_density_kg_m2 == pytest.approx(3.43 * ceramic + 2.75 * backing)
         assert design.thickness_mm == ceramic + backing
         assert (design.ceramic, design.backing) == ("AD85", "5083-H3")
-        assert design.margin_m_s == ballistic_limit(of_design(case(), design)).ballistic_limit_m_s - 850.0
+        assert ballistic_limit(of_design(case(), design)).ballistic_limit_m_s >= 850.0
     assert result.designs == 6 * 13
     assert result.runs >= 6 * 13
 
@@ -78,7 +78,6 @@ def test_the_best_is_the_lightest_and_has_its_limit():
     best = best_of(result)
     assert best.areal_density_kg_m2 == min(d.areal_density_kg_m2 for d in result.frontier)
     assert best.ballistic_limit_m_s == ballistic_limit(of_design(case(), best)).ballistic_limit_m_s
-    assert best.margins_m_s == {"7.62 mm AP at 850 m/s": best.margin_m_s}
     assert [pair.best for pair in result.pairs] == [best]
     assert best.cost_per_m2 is None
     assert {design.cost_per_m2 for design in result.frontier} == {None}
@@ -177,7 +176,7 @@ def test_a_design_with_a_ballistic_limit_below_the_threat_does_not_count():
     limit = ballistic_limit(of_design(lower_limit(), best_of(result))).ballistic_limit_m_s
     assert best_of(result).ballistic_limit_m_s == limit
     assert limit >= 532.67
-    assert all(design.margin_m_s is not None and design.margin_m_s >= 0.0 for design in result.frontier)
+    assert all(design.ceramic_thickness_mm >= 5.8 for design in result.frontier if design.backing_thickness_mm == 2.3)
 
 
 def test_a_pareto_front_has_no_design_with_a_ballistic_limit_below_the_threat():
@@ -197,7 +196,7 @@ def test_a_pareto_front_has_no_design_with_a_ballistic_limit_below_the_threat():
 def test_no_design_without_a_lower_ballistic_limit(section: dict[str, Any]):
     result = optimise(lower_limit((3.3, 3.3, 0.1), **section))
     assert result.reason == "none passes"
-    assert result.explanation.startswith("no design stops x at 532.67 m/s and all slower impacts")
+    assert result.shown.check.verdict == "fails"
 
 
 def test_back_plates_at_which_a_thicker_ceramic_does_not_pass(monkeypatch: pytest.MonkeyPatch):

@@ -23,8 +23,18 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return Path(shutil.copy(original, tmp_path))
 
 
+ROOT = Path(__file__).parents[2]
+
+
 def test_it_computes_here():
     assert compiled.library(), MUST
+
+
+@pytest.mark.skipif(not (ROOT / "src").exists(), reason="needs a clone")
+def test_what_is_built_is_not_built_again():
+    before = compiled.find_library()
+    assert subprocess.run([sys.executable, ROOT / "hatch_build.py"], check=False).returncode == 0
+    assert compiled.find_library() == before
 
 
 @pytest.mark.parametrize("size", [0, 1, 1000, -1])

@@ -10,12 +10,12 @@ from scipy.optimize import brentq
 import armour
 from armour.core import equations
 from armour.core.state import Parameters
-from armour.errors import Note
 from armour.evidence.caveats import long_rod
+from armour.reporting.by_result import in_a_line
 from armour.reporting.design_page import design_page
-from armour.reporting.scenario_report import contents_of, scenario_report
+from armour.reporting.scenario_report import scenario_report
 from armour.reporting.views.analysis import tables_of_impact, tables_of_limit
-from armour.reporting.views.design import check_junit, outcome, tables_of_design
+from armour.reporting.views.design import check_junit, tables_of_design
 from armour.reporting.words import said_of
 from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario
@@ -37,7 +37,7 @@ def on(density: float, **sections: object) -> Scenario:
 
 
 def said(result: armour.CheckResult | armour.DesignResult | armour.ImpactResult) -> list[str]:
-    return [note.text for note in result.warnings if isinstance(note, Note) and note.said]
+    return [note.text for note in result.notes if note.said]
 
 
 def test_no_answer_passes_an_armour_on_what_is_no_metal():
@@ -45,11 +45,11 @@ def test_no_answer_passes_an_armour_on_what_is_no_metal():
     checked, impact = armour.check(laminate), armour.simulate(laminate)
     assert impact.outcome == "stopped"
     assert checked.verdict == "not known"
-    assert outcome(checked) == f"not known: {NO_METAL}"
+    assert in_a_line(checked) == f"not known: {NO_METAL}"
     assert tables_of_impact(impact)[0] == f"not known: stopped by the model, but {NO_METAL}"
     assert tables_of_limit(armour.ballistic_limit(laminate))[0] == f"not known: {NO_METAL}"
     assert f'message="not known: {NO_METAL}"' in _xml(checked, laminate)
-    report = scenario_report(contents_of(laminate), "")
+    report = scenario_report(laminate, "")
     assert (report.passed, NO_METAL in report.lead) == (False, True)
     assert armour.confidence(laminate).flow_stress is None
 
@@ -73,12 +73,13 @@ def test_a_search_judges_the_metals_alone():
     backings = [{"material": name, "thickness_mm": grid} for name in ("X", "6061-T6")]
     found = armour.optimise(on(980.0, design={"ceramic": ceramics, "backing": backings}))
     assert found.best is not None
-    assert {pair.backing: pair.reason for pair in found.pairs} == {"6061-T6": "", "X": f"not known: {NO_METAL}"}
+    assert {pair.backing: pair.best is None for pair in found.pairs} == {"6061-T6": False, "X": True}
+    assert in_a_line(known(found.pairs[1].nearest).check) == f"not known: {NO_METAL}"
     slow = {"projectile": "7.62 mm AP", "velocity_m_s": 1500.0}
     none = armour.optimise(on(980.0, threat=[slow], design={"ceramic": ceramics, "backing": backings}))
-    assert (none.reason, [pair.backing for pair in none.pairs]) == ("none passes", ["6061-T6", "X"])
+    assert (none.reason, none.shown.backing) == ("not known", "X")
     alone = armour.optimise(on(980.0, design={"ceramic": ceramics, "backing": backings[:1]}))
-    assert (alone.reason, tables_of_design(alone)[0]) == ("not known", f"not known: {NO_METAL}")
+    assert (alone.reason, in_a_line(alone.shown.check)) == ("not known", f"not known: {NO_METAL}")
     thin = {"ceramic": ceramics, "backing": backings[:1], "thickness_max_mm": 5.0}
     assert armour.optimise(on(980.0, design=thin)).reason == "none passes"
 
@@ -89,8 +90,8 @@ def test_a_search_judges_the_metals_alone():
 def test_up_to_2100_the_answer_asks_whether_it_is_a_metal(density: float, question: bool | None):
     checked = armour.check(on(density))
     assert (checked.verdict == "not known") is (question is None)
-    assert outcome(checked).count("a metal?") == bool(question)
-    assert f"{int(density):,} kg/m³" in outcome(checked) or question is False
+    assert in_a_line(checked).count("a metal?") == bool(question)
+    assert f"{int(density):,} kg/m³" in in_a_line(checked) or question is False
 
 
 def test_a_search_tells_of_each_density_once():
@@ -102,7 +103,7 @@ def test_a_search_tells_of_each_density_once():
     backings = [{"material": name, "thickness_mm": [40.0]} for name in ("6061-T6", *metals)]
     design = {"ceramic": [{"material": "AD85", "thickness_mm": [6.0]}], "backing": backings}
     found = armour.optimise(scenario(velocity=500.0, library={"metal": metals}, design=design))
-    told = [note.text for note in found.warnings if isinstance(note, Note) and note.said == "pairs"]
+    told = [note.text for note in found.notes if note.said == "pairs"]
     assert known(found.best).backing == "X"
     assert [text.partition(" a metal?")[0] for text in told] == ["is a back plate of 1,950 kg/m³"]
 
@@ -117,7 +118,7 @@ def test_a_search_asks_it_of_pairs_that_it_does_not_name_first():
     assert known(found.best).backing == "6061-T6"
     tables = [words for words in tables_of_design(found) if isinstance(words, str)]
     assert [words for words in tables if words.startswith("is a back plate of 1,840 kg/m³ a metal?")]
-    assert not said_of(found.warnings)
+    assert not said_of(found.notes)
 
 
 def test_long_rods_are_named_with_the_depth_that_the_equations_give():
@@ -128,7 +129,7 @@ def test_long_rods_are_named_with_the_depth_that_the_equations_give():
     )
     [words] = said(armour.simulate(rod))
     assert "3.0 times its length into this plate, 2.0 times the hydrodynamic depth" in words
-    assert words in outcome(armour.check(rod))
+    assert words in in_a_line(armour.check(rod))
     assert [text for text in said(armour.simulate(core)) if text.startswith("a long rod")] == []
 
 
@@ -150,13 +151,13 @@ def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
     is_too_low, checked, impact = verdict == "not known", armour.check(rod), armour.simulate(rod)
     assert impact.outcome == "perforated"
     assert (checked.verdict, armour.check(rod.replaced({"design": {"confidence": 0.9}})).verdict) == (verdict, verdict)
-    assert outcome(checked).endswith("the limit is too low") is is_too_low
+    assert in_a_line(checked).endswith("the limit is too low") is is_too_low
     assert str(tables_of_impact(impact)[0]).startswith("not known: perforated by the model, but") is is_too_low
     layers: dict[str, Any] = {"backing": [{"material": plate, "thickness_mm": [8.0, 10.0]}]}
     layers |= {"ceramic": [{"material": ceramic, "thickness_mm": hc}]} if ceramic else {}
     found = armour.optimise(rod.replaced({"design": layers}))
     assert found.reason == ("not known" if is_too_low else "none passes")
-    assert str(tables_of_design(found)[0]).startswith("not known, as the limit is too low: the near") is is_too_low
+    assert str(tables_of_design(found)[0]).startswith("none is known to pass; the nearest") is is_too_low
     stopped = rod.replaced({"impact.velocity_m_s": 50.0})
     assert armour.check(stopped).verdict == "passes"
 
@@ -211,17 +212,17 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     rounds = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm APM2", "12.7 mm APM2")]
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
     impact, checked = armour.simulate(thin), armour.check(thin)
-    assert outcome(checked).endswith(f"; {words}")
+    assert in_a_line(checked).endswith(f"; {words}")
     assert tables_of_impact(impact)[0] == f"stopped; {words}"
     assert tables_of_limit(armour.ballistic_limit(thin))[0] == words
-    assert words in scenario_report(contents_of(thin), "").lead.replace("No ceramic", "no ceramic")
+    assert words in scenario_report(thin, "").lead.replace("No ceramic", "no ceramic")
     assert not any("0.61" in warning for warning in (*impact.warnings, *checked.warnings))
     # 9 mm is thicker than tested against one round and too thin for the other.
     layers = offer("SiC", 9.0, "6061-T6", 40.0)
     found = armour.optimise(thin.replaced({"threat": rounds, "design": layers}))
     assert known(found.best).outside_tests["ceramic_thickness_ratio"] == pytest.approx(9.0 / 9.7, abs=0.01)
     words += " against 12.7 mm APM2 at 500 m/s"
-    assert [words in tables_of_design(found), said(found)] == [True, [words]]
+    assert [words in str(tables_of_design(found)[0]), said(found)] == [True, [words]]
     thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))
     assert said(thick) == []
 
@@ -268,20 +269,19 @@ def test_answers_say_where_tests_contradict_the_model(
     checked = armour.check(case)
     texts = said(checked)
     assert [words for text in texts for words in (SHORT, DENSE, STEEL, LOTS) if text.startswith(words)] == expected
-    assert [text in outcome(checked) for text in texts] == [True] * len(texts)
+    assert [text in in_a_line(checked) for text in texts] == [True] * len(texts)
     assert (said(armour.simulate(case)), tables_of_limit(armour.ballistic_limit(case))[: len(texts)]) == (texts, texts)
     [output] = check_junit(checked, case, 0.0, {}).iter("system-out")
     assert (output.text or "").splitlines()[1:] == texts
 
 
-def test_each_case_of_junit_has_the_caveats_of_its_threat():
+def test_each_case_of_junit_has_the_caveats_which_name_their_threat():
     rounds = [{"projectile": name, "velocity_m_s": 300.0} for name in ("7.62 mm AP", "20 mm FSP")]
     several = scenario(ceramic_mm=20.0, threat=rounds)
     checked = armour.check(several)
     assert [text.endswith(" against 20 mm FSP at 300 m/s") for text in said(checked)] == [True]
-    core, fragment = check_junit(checked, several, 0.0, {}).iter("testcase")
-    assert len(known(core.findtext("system-out")).splitlines()) == 1
-    assert known(fragment.findtext("system-out")).splitlines()[1].startswith(SHORT)
+    for case in check_junit(checked, several, 0.0, {}).iter("testcase"):
+        assert known(case.findtext("system-out")).splitlines()[1:] == said(checked)
 
 
 def test_a_search_says_of_pairs_it_does_not_name_first_what_tests_contradict():
@@ -290,13 +290,13 @@ def test_a_search_says_of_pairs_it_does_not_name_first_what_tests_contradict():
     bare = scenario("7.62 mm APM2", None, "6061-T6", 0.0, 50.0, 300.0, design={"backing": backings})
     found = armour.optimise(bare)
     assert known(found.best).backing == "6061-T6"
-    assert not said_of(found.warnings)
-    told = said_of(found.warnings, "pairs")
+    assert not said_of(found.notes)
+    told = said_of(found.notes, "pairs")
     assert [text.startswith(words) for text, words in zip(told, (STEEL, LOTS), strict=True)] == [True, True]
 
 
 def test_the_report_and_the_page_say_what_tests_contradict():
     case = scenario("20 mm FSP", ceramic_mm=10.0, design=offer("AD85", [10.0, 12.0], "6061-T6", [20.0, 25.0]))
     words = f"A{SHORT[1:]}"
-    assert words in scenario_report(contents_of(case), "").lead
+    assert words[1:] in scenario_report(case, "").lead
     assert words in design_page(case, "armour optimise")

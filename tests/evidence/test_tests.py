@@ -10,7 +10,7 @@ import pytest
 from armour.analysis.variants import variants_of
 from armour.design.check import check
 from armour.engine import batch
-from armour.errors import InputError, Note
+from armour.errors import InputError
 from armour.evidence.fit import quantities
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import (
@@ -130,7 +130,7 @@ LAW = {"ceramic": {"law": {"based_on": "AD85", "flow_stress_backing_exponent": 0
 def test_what_is_unlike_the_tests_is_named(changes: dict[str, Any], velocity: float, starts: list[str]):
     warnings = scenario_warnings(scenario(**changes), velocity)
     assert len(warnings) == len(starts), warnings
-    assert all(warning.startswith(start) for warning, start in zip(warnings, starts, strict=True)), warnings
+    assert all(str(warning).startswith(start) for warning, start in zip(warnings, starts, strict=True)), warnings
 
 
 CASES = (
@@ -148,7 +148,7 @@ CASES = (
 
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_rows_are_judged_like_scenarios(case: Scenario):
-    words = [warning.partition(", found ")[0] for warning in scenario_warnings(case, case.impact.velocity_m_s)]
+    words = [str(warning).partition(", found ")[0] for warning in scenario_warnings(case, case.impact.velocity_m_s)]
     assert sorted(variants_of(case, {}, 2).outside_limits()) == sorted((warning, 2) for warning in words)
 
 
@@ -310,6 +310,5 @@ def test_angles_without_a_test_are_those_of_their_threats():
     angles = [
         {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": angle} for angle in (0.0, 30.0, 45.0)
     ]
-    [warning] = [note for note in check(scenario(threat=angles)).warnings if "at an angle" in note]
-    assert isinstance(warning, Note)
+    [warning] = [note for note in check(scenario(threat=angles)).notes if "at an angle" in note.text]
     assert warning.brief.startswith("30 to 45° (no test of an armour with a ceramic at an angle) against ")

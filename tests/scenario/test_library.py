@@ -37,11 +37,11 @@ def test_the_papers_table_2_is_there():
     assert {"7.62 mm AP", "25 mm APDS", "7.62 mm APM2"} <= set(library.names("projectile"))
     assert {"AD85", "AD99.5", "Al-N"} <= set(library.names("ceramic"))
     assert {"6061-T6", "7075-T6", "5083-H3", "AA6082-T651"} <= set(library.names("metal"))
-    [ceramic] = library.find("AD99.5")
+    ceramic = library.entry("ceramic", "AD99.5")
     assert (ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"], ceramic["flow_stress_GPa"]) == (3840, 350, 6.2)
-    [metal] = library.find("7075-T6")
+    metal = library.entry("metal", "7075-T6")
     assert (metal["dynamic_yield_strength_MPa"], metal["flow_stress_GPa"]) == (588, 1.587)
-    [core] = library.find("7.62 mm APM2")
+    core = library.entry("projectile", "7.62 mm APM2")
     assert (core["penetrator_mass_g"], core["penetrator_diameter_mm"]) == (5.3, 6.25)
 
 
@@ -55,7 +55,8 @@ def test_every_shipped_value_says_where_it_comes_from():
 
 
 def test_a_metal_without_them_has_the_default_strengths():
-    [metal] = extended({"metal": {"m": {"density_kg_m3": 7850, "dynamic_yield_strength_MPa": 1000}}}).find("m")
+    tables = {"metal": {"m": {"density_kg_m3": 7850, "dynamic_yield_strength_MPa": 1000}}}
+    metal = extended(tables).entry("metal", "m")
     assert metal["flow_stress_GPa"] == pytest.approx(2.7)
     assert metal["shear_strength_MPa"] == pytest.approx(700)
     assert metal.derived == {"flow_stress_GPa", "shear_strength_MPa"}
@@ -73,14 +74,14 @@ def test_a_static_yield_strength_is_taken_for_a_dynamic_one_that_is_not_given():
 
 def test_derived_strengths_follow_a_yield_strength_that_is_changed():
     tables = {"metal": {"m": {"based_on": "6061-T6", "dynamic_yield_strength_MPa": 500}}}
-    [metal] = extended(tables).find("m")
+    metal = extended(tables).entry("metal", "m")
     assert metal["shear_strength_MPa"] == pytest.approx(350)
     assert metal["flow_stress_GPa"] == 1.05
 
 
 def test_an_entry_takes_what_it_does_not_give_from_its_base():
     tables = {"ceramic": {"b": {"based_on": "a"}, "a": {"based_on": "AD85", "flow_stress_GPa": 3.8}}}
-    [entry] = extended(tables).find("b")
+    entry = extended(tables).entry("ceramic", "b")
     assert (entry["flow_stress_GPa"], entry["density_kg_m3"]) == (3.8, 3430)
     assert entry.values["flow_stress_GPa"].source == "f.toml"
     assert entry.values["density_kg_m3"].source == "[Paper], table 2"
@@ -173,7 +174,7 @@ def test_a_law_of_the_flow_stress():
     """Coefficients may be 0, and are inherited; a ceramic need not have them."""
     law = {"flow_stress_backing_exponent": -3, "flow_stress_ceramic_slope": {"value": 0.1, "status": "fitted"}}
     tables = {"a": {"based_on": "AD85", **law}, "b": {"based_on": "a", "flow_stress_backing_exponent": 0}}
-    [entry] = extended({"ceramic": tables}).find("b")
+    entry = extended({"ceramic": tables}).entry("ceramic", "b")
     assert list(entry.values)[2:] == ["flow_stress_GPa", *law]
     assert (entry["flow_stress_backing_exponent"], entry["flow_stress_ceramic_slope"]) == (0.0, 0.1)
 
@@ -189,7 +190,7 @@ def test_bases_that_lead_back():
 def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str):
     """Each has what tells it apart; the strongest of them is not suggested alone."""
     with pytest.raises(InputError) as caught:
-        shipped_library().find(name)
+        shipped_library().entry("metal", name)
     alike = [each for each in shipped_library().names("metal") if "5083" in each]
     assert len(alike) == 4
     assert all(f"{each} (" in str(caught.value) for each in alike)
@@ -199,7 +200,7 @@ def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str)
 
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
     with pytest.raises(InputError, match='did you mean "AD85"'):
-        shipped_library().find("AD85x")
+        shipped_library().entry("ceramic", "AD85x")
 
 
 def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):
@@ -270,7 +271,6 @@ def test_rounds_are_found_under_the_names_of_their_users():
     names = {".30 APM2": "7.62 mm APM2", ".50 APM2": "12.7 mm APM2", ".50 FSP": "12.7 mm FSP"}
     for other, name in names.items():
         assert shipped_library().entry("projectile", other).name == name
-        assert shipped_library().find(other)[0].name == name
         assert parse_scenario(impact(projectile=other, velocity_m_s=800.0)).name_of("projectile") == name
 
 
@@ -307,7 +307,7 @@ def test_the_work_grows_with_the_number_of_entries_not_with_its_square(
 )
 def test_what_is_neither_metal_nor_ceramic_leads_to_the_page_on_it(name: str):
     with pytest.raises(InputError) as caught:
-        shipped_library().find(name)
+        shipped_library().entry("metal", name)
     [problem] = caught.value.problems
     assert problem.message.endswith(f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}")
     assert (Path(__file__).parents[2] / PAGE).is_file()
@@ -331,7 +331,7 @@ def test_a_threat_like_a_wrong_name_has_its_round_or_calibre(name: str, like: li
 @pytest.mark.parametrize("name", ["M993", "7.62 x 51 M993"])
 def test_a_round_of_a_template_has_that_template(name: str):
     with pytest.raises(InputError, match="armour init --from templates/m993"):
-        shipped_library().find(name)
+        shipped_library().entry("projectile", name)
 
 
 def test_a_round_like_a_wrong_name_has_its_calibre():
@@ -341,7 +341,7 @@ def test_a_round_like_a_wrong_name_has_its_calibre():
         ("B32 7.62", ["7.62 mm B32"]),
     ):
         with pytest.raises(InputError) as caught:
-            shipped_library().find(name)
+            shipped_library().entry("projectile", name)
         [problem] = caught.value.problems
         found = [other for other in shipped_library().names("projectile") if other in problem.message.partition(";")[2]]
         assert found == like

@@ -42,7 +42,7 @@ def test_a_name_is_the_same_in_every_unicode_form(entry: str, named: str):
     assert swept["areal_density_kg_m2"].tolist() == [scenario.areal_density_kg_m2()]
     aliases = [unicodedata.normalize("NFD", "à la carte")]
     added = {"Mine": {"based_on": named, "aliases": aliases}, entry: {"based_on": "AD85"}}
-    [found] = shipped_library().extended({"ceramic": added}, "f.toml").find("à la carte")
+    found = shipped_library().extended({"ceramic": added}, "f.toml").entry("ceramic", "à la carte")
     assert (found.name, found.origin) == ("Mine", "AD85")
 
 

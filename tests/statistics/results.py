@@ -33,5 +33,5 @@ def uncertainty_result() -> UncertaintyResult:
             Influence("ceramic.flow_stress_GPa", (677.0, 769.0)),
             Influence("projectile.penetrator_mass_g", (729.0, 718.0)),
         ),
-        warnings=(),
+        notes=(),
     )

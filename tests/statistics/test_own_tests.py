@@ -12,7 +12,7 @@ from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.check import check
 from armour.design.optimise import optimise
-from armour.errors import InputError, NoAnswerError, Note
+from armour.errors import InputError, NoAnswerError
 from armour.evidence.tests import armours_of, scenario_warnings
 from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
@@ -344,7 +344,7 @@ def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
     ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
     result = optimise(far.replaced({"optimise": ranges, "design.confidence": 0.9}))
     assert result.reason == "not known"
-    assert result.explanation.endswith(confidence(far).reason)
+    assert result.shown.check.threats[0].reason == confidence(far).reason
 
 
 CARBIDE = WILKINS.replaced({"armour.ceramic": "SiC"})
@@ -579,7 +579,7 @@ def test_what_other_tests_contradict_is_not_said_of_armours_like_the_own_tests()
     own = scenario_of(table_of(case, f"{BACKING},ballistic_limit_m_s", "12,690", "14,760"), case, STRENGTH)
 
     def said(of: Scenario) -> list[tuple[str | float, ...]]:
-        return [note.about for note in check(of).warnings if isinstance(note, Note) and note.said]
+        return [note.about for note in check(of).notes if note.said]
 
     assert said(case) == [("contradicted", "normal_steel"), ("contradicted", "lots_of_steel")]
     assert said(own) == []

@@ -19,7 +19,7 @@ import pytest
 from armour.errors import InputError
 from armour.sweeps.cluster import connected, workers_of
 from armour.sweeps.store import Store
-from armour.sweeps.sweep import chunk_of, job_of, write_sweep
+from armour.sweeps.sweep import chunk_of, job_of, types_of, write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
 
 if TYPE_CHECKING:
@@ -140,7 +140,8 @@ def test_forged_rows_are_refused_on_a_cluster(client: "Client", tmp_path: Path):
     honest = chunk_of(case, source.rows(np.array([0])), ["outcome"], 1)
     forged = honest._replace(columns={**honest.columns, "outcome": np.array(["perforated"])})
     for name, chunk in (("a.csv", forged), ("b.csv", honest)):
-        with Store(tmp_path / name, job_of(case, source, ["outcome"]), print) as store:
+        job, types = job_of(case, source, ["outcome"]), types_of(source, ["outcome"])
+        with Store(tmp_path / name, job, types, print) as store:
             store.append(chunk)
     with pytest.raises(
         InputError, match=r"a\.csv\.parts: .* found outcome = perforated in row 1, but computed stopped"

@@ -1,25 +1,28 @@
 """Rows on disk: whole or missing, the user's own, and of one sweep at a time."""
 
 import os
+import shutil
 import sqlite3
 import struct
 import sys
 from collections.abc import Callable
 from contextlib import closing
 from errno import ENOSPC
-from hashlib import sha256
 from pathlib import Path
+from time import time
 from typing import Any
 
 import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.sweeps.store import Chunk, Store, csv_of, is_csv, read_table, write_table
+from armour.sweeps.store import Chunk, Store
+from armour.sweeps.tables import csv_of, is_csv, read_table, write_table
 
 on_unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs users")
 
 JOB = {"version": "1.0", "program": "a", "scenario": "b", "quantities": "x", "rows": "c"}
+TYPES = {"armour.x_mm": "<f8", "limit_m_s": "<f8", "outcome": "<U10"}
 RESULTS = {"limit_m_s": np.array([1 / 3, np.nan, 1e300]), "outcome": np.array(["perforated", "", "stopped"])}
 
 
@@ -31,7 +34,7 @@ def part(index: int) -> Chunk:
 def filled(output: Path, count: int, job: dict[str, str] = JOB) -> list[str]:
     """Write the first chunks of a sweep, as many as are not there; return what is told."""
     told: list[str] = []
-    with Store(output, job, told.append) as store:
+    with Store(output, job, TYPES, told.append) as store:
         for index in range(store.done // 3, count):
             store.append(part(index))
     return told
@@ -40,7 +43,7 @@ def filled(output: Path, count: int, job: dict[str, str] = JOB) -> list[str]:
 def finished(output: Path) -> list[str]:
     """Write what is missing of three chunks, and the table; return what is told."""
     told: list[str] = []
-    with Store(output, JOB, told.append) as store:
+    with Store(output, JOB, TYPES, told.append) as store:
         for index in range(store.done // 3, 3):
             store.append(part(index))
         store.finish()
@@ -116,7 +119,26 @@ def test_a_damaged_job_is_not_taken_for_another(output: Path):
     assert finished(output) == [f"{rows_of(output)}: damaged, all rows are computed again"]
 
 
-@pytest.mark.parametrize("size", [0, 5000, 9000])
+def test_the_rows_of_a_sweep_that_was_killed_are_in_the_log(output: Path):
+    """SQLite keeps them there until it closes the database; another process takes them from there."""
+    killed = output.with_name("killed")
+    with Store(output, JOB, TYPES, print) as store:
+        store.append(part(0))
+        store.append(part(1))
+        shutil.copytree(rows_of(output).parent, killed)
+    finished(output)
+    output.unlink()
+    killed.rename(rows_of(output).parent)
+    assert {path.name for path in rows_of(output).parent.iterdir()} == {"rows", "rows-wal"}
+    hours_ago = time() - 2.0 * 3600.0
+    os.utime(rows_of(output), (hours_ago, hours_ago))
+    with Store(output, JOB, TYPES, print) as store:
+        assert store.done == 6
+        assert store.age_s < 3600.0
+    assert not finished(output)
+
+
+@pytest.mark.parametrize("size", [0, 100, 5000])
 def test_rows_that_are_cut_are_computed_again(output: Path, size: int):
     filled(output, 3)
     os.truncate(rows_of(output), size)
@@ -126,7 +148,7 @@ def test_rows_that_are_cut_are_computed_again(output: Path, size: int):
 
 def test_rows_that_are_damaged_after_they_were_read_make_no_table(output: Path):
     filled(output, 3)
-    with Store(output, JOB, print) as store:
+    with Store(output, JOB, TYPES, print) as store:
         store._database.execute("update chunk set content = zeroblob(9) where start = 3")
         with pytest.raises(InputError, match="damaged rows; finished rows are kept, repeat the same sweep"):
             store.finish()
@@ -135,8 +157,8 @@ def test_rows_that_are_damaged_after_they_were_read_make_no_table(output: Path):
 
 
 def test_one_process_at_a_time(output: Path):
-    with Store(output, JOB, print), pytest.raises(InputError, match="another sweep is at work"):
-        Store(output, {**JOB, "quantities": "y"}, print).__enter__()
+    with Store(output, JOB, TYPES, print), pytest.raises(InputError, match="another sweep is at work"):
+        Store(output, {**JOB, "quantities": "y"}, TYPES, print).__enter__()
     assert list(output.parent.iterdir()) == []
 
 
@@ -162,10 +184,10 @@ def test_without_locks_the_rows_are_elsewhere(output: Path, tmp_path: Path, monk
 
 
 def test_a_full_disk_is_told_and_what_is_done_is_kept(output: Path, monkeypatch: pytest.MonkeyPatch):
-    with Store(output, JOB, print) as store:
+    with Store(output, JOB, TYPES, print) as store:
         store.append(part(0))
         store._database.execute("pragma max_page_count = 1")
-        big = Chunk({"x": np.zeros(100_000)}, {})
+        big = Chunk({name: np.zeros(100_000) for name in TYPES}, {})
         with pytest.raises(InputError, match=r"cannot be written: .* full; finished rows are kept, repeat the same"):
             store.append(big)
     filled(output, 2)
@@ -187,11 +209,11 @@ def test_existing_files_are_not_overwritten(output: Path):
     assert list(output.parent.iterdir()) == [output]
 
 
-@pytest.mark.parametrize("suffix", ["", "-journal"])
-def test_a_process_that_was_killed_before_its_first_row_leaves_nothing_that_matters(output: Path, suffix: str):
+@pytest.mark.parametrize("name", [".armour-0123456789abcdef", "rows", "rows-wal"])
+def test_a_process_that_was_killed_before_its_first_row_leaves_nothing_that_matters(output: Path, name: str):
     folder = rows_of(output).parent
     folder.mkdir(mode=0o700)
-    (folder / f".armour-0123456789abcdef{suffix}").touch()
+    (folder / name).touch()
     assert not filled(output, 1)
     assert not finished(output)
     assert list(output.parent.iterdir()) == [output]
@@ -235,7 +257,7 @@ def test_what_another_user_may_have_planted_is_not_used(
     folder = output.with_name(f"{output.name}.parts")
     victim = output.with_name("victim")
     victim.write_text("mine")
-    for name in ("rows-journal", "lock"):
+    for name in ("rows-wal", "lock"):
         (folder / name).unlink(missing_ok=True)
         (folder / name).symlink_to(victim)
     planted = {path.name for path in folder.iterdir()}
@@ -256,18 +278,18 @@ def strange(output: Path) -> sqlite3.Connection:
     return sqlite3.connect(rows_of(output))
 
 
-TABLES = "create table job (checksum, content); create table chunk (start integer primary key, checksum, content);"
+TABLE = "create table chunk (start integer primary key, checksum, content);"
 ENDLESS = "with recursive n(i) as (select 1 union all select i + 1 from n) select i, i, i from n"
 
 
 @pytest.mark.parametrize(
     "schema",
     [
-        f"create table job (checksum, content); create view chunk as {ENDLESS}",
-        f"{TABLES} create trigger t after insert on job begin delete from job; end",
-        f"{TABLES} create table other (x)",
-        f"{TABLES} create index i on chunk (hex(content))",
-        "create table job (checksum, content); create table chunk (start, checksum, content)",
+        f"create view chunk as {ENDLESS}",
+        f"{TABLE} create trigger t after insert on chunk begin delete from chunk; end",
+        f"{TABLE} create table other (x)",
+        f"{TABLE} create index i on chunk (hex(content))",
+        "create table chunk (start, checksum, content)",
     ],
 )
 def test_other_tables_are_refused(strange: sqlite3.Connection, output: Path, schema: str):
@@ -275,17 +297,6 @@ def test_other_tables_are_refused(strange: sqlite3.Connection, output: Path, sch
     with closing(strange), pytest.raises(InputError, match=r"parts: must .* this sweep, found tables that no"):
         finished(output)
     assert [path.name for path in output.parent.iterdir()] == [f"{output.name}.parts"]
-
-
-def test_a_job_that_is_none_is_refused(strange: sqlite3.Connection, output: Path):
-    for job in ("[" * 100_000, "[]", "1", b"{}"):
-        with strange:
-            strange.executescript(f"drop table if exists job; drop table if exists chunk; {TABLES}")
-            strange.execute("insert into job values (?, ?)", [sha256(f"{job!s}".encode()).hexdigest(), job])
-            strange.execute("insert into chunk values (0, 0, 0)")
-        with pytest.raises(InputError, match=r"must have rows of this sweep, found no sweep|rows of another"):
-            finished(output)
-    strange.close()
 
 
 def test_the_database_is_no_link(strange: sqlite3.Connection, output: Path):
@@ -303,7 +314,7 @@ def test_the_database_is_no_link(strange: sqlite3.Connection, output: Path):
 
 def test_a_journal_does_not_remove_a_file(strange: sqlite3.Connection, output: Path):
     """SQLite removes the file that a journal names as one of several databases."""
-    strange.executescript(TABLES)
+    strange.executescript(TABLE)
     strange.close()
     victim, magic = output.with_name("victim"), bytes.fromhex("d9d505f920a163d7")
     victim.write_text("mine")
@@ -317,13 +328,13 @@ def test_a_journal_does_not_remove_a_file(strange: sqlite3.Connection, output: P
     assert victim.read_text() == "mine"
     # What it is that is refused.
     with closing(sqlite3.connect(rows_of(output))) as database:
-        database.execute("select * from job").close()
+        database.execute("select * from chunk").close()
     assert not victim.exists()
 
 
 def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     output.write_text("old")
-    with Store(output, JOB, print, replace=True) as store:
+    with Store(output, JOB, TYPES, print, replace=True) as store:
         store.append(part(0))
         assert output.read_bytes() == b"old"
         store.finish()
@@ -331,11 +342,11 @@ def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     link = output.with_stem("link")
     link.symlink_to(output)
     with pytest.raises(InputError, match=r"link\.\w+: exists already"):
-        Store(link, JOB, print, replace=True).__enter__()
+        Store(link, JOB, TYPES, print, replace=True).__enter__()
 
 
 def test_an_output_that_comes_during_the_sweep_stays(output: Path):
-    with Store(output, JOB, print) as store:
+    with Store(output, JOB, TYPES, print) as store:
         store.append(part(0))
         output.write_text("mine")
         with pytest.raises(InputError, match="exists already"):
@@ -351,7 +362,7 @@ def test_files_that_cannot_be_written(tmp_path: Path):
 
 
 def test_the_size_of_chunks_leaves_no_trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.sweeps.store.ROW_GROUP", 7)
+    monkeypatch.setattr("armour.sweeps.tables.ROW_GROUP", 7)
     column = np.random.default_rng(1).normal(size=60)
     for ending in ("csv", "parquet"):
         contents = set()

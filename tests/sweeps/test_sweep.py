@@ -14,9 +14,9 @@ from armour.analysis.quantities import QUANTITIES
 from armour.errors import InputError, duration
 from armour.sweeps import sweep as sweeps
 from armour.sweeps.cases import SweepCases
-from armour.sweeps.store import read_table
 from armour.sweeps.sweep import job_of, write_sweep
 from armour.sweeps.sweep import sweep as sweep_in_python
+from armour.sweeps.tables import read_table
 from tests.helpers.cases import csv_file, sweep_grid, sweep_scenario
 from tests.helpers.exotic import narrow_ranges
 

@@ -22,7 +22,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 from random import Random
 
-from armour.cli.app import COMMANDS
+from armour.cli.app import COMMANDS, told
 from tools.campaigns.verdict import asked, verdict
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,9 +62,9 @@ CHANGING = re.compile(r"\d+ (?:rows|tests|armours).*\r")
 @cache
 def commands() -> list[str]:
     """Return the examples of the help that need no file of the user, and what runs elsewhere."""
-    examples = [example for group in COMMANDS.values() for each in group.values() for example in each]
+    examples = [example for group in COMMANDS.values() for command in group for example in told(command)[1]]
     slow = ("figures", "report", "optimise", "validate", "uncertainty", "0.1 -o")
-    quick = [f"armour {example}" for example in examples if not any(part in example for part in slow)]
+    quick = [example for example in examples if not any(part in example for part in slow)]
     sweep = "armour sweep wilkins --over impact.velocity_m_s=700,800 -o x.csv"
     return [*quick, "armour optimise wilkins", sweep, *ACTION]
 

@@ -493,12 +493,12 @@ def warm_up() -> None:
     from typer.testing import CliRunner
 
     from armour.cli.app import COMMANDS as SHOWN
-    from armour.cli.app import app
+    from armour.cli.app import app, told
 
-    examples = [example for commands in SHOWN.values() for of_command in commands.values() for example in of_command]
-    for example in (*examples, "optimise wilkins --map m.html"):
+    examples = [example for commands in SHOWN.values() for command in commands for example in told(command)[1]]
+    for example in (*examples, "armour optimise wilkins --map m.html"):
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
-            found = CliRunner().invoke(app, example)
+            found = CliRunner().invoke(app, example.removeprefix("armour "))
             assert found.exit_code in (DONE, CHECK_FAILED), (example, found.output)
     import pyarrow.csv
     import pyarrow.parquet  # noqa: F401

@@ -15,7 +15,7 @@ from armour.analysis.variants import Variants, ballistic_limits, row_of, variant
 from armour.core import search
 from armour.core.state import Outcome
 from armour.engine import batch
-from armour.errors import InputError, NoLimitError
+from armour.errors import InputError, NoLimitError, Note
 from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Floats, Mixture
@@ -169,7 +169,7 @@ class LimitResult(Result):
         Number of velocities of the scan, evenly spaced on a logarithmic scale.
     scanned_range_m_s : tuple of float
         Lowest and highest scanned velocity, m/s.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which the armour, or its ballistic limit, is unlike what the model was compared with.
     model_error : ModelError or None
         Relative error of the ballistic limit by the model; None if it is not known.
@@ -189,15 +189,12 @@ class LimitResult(Result):
     crossings: tuple[Crossing, ...]
     scanned_velocities: int
     scanned_range_m_s: tuple[float, float]
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     model_error: ModelError | None = None
     interval_m_s: tuple[float, float] | None = None
     median_m_s: float | None = None
     whole_areal_density_kg_m2: float = 0.0
     reason: str = ""
-
-    def _words(self) -> str:
-        return f"{self.ballistic_limit_m_s:.2f} m/s{'' if self.monotonic else ', not monotonic'}"
 
 
 @checked
@@ -245,7 +242,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        warnings=(*warnings, *scenario.unused_distributions()),
+        notes=(*warnings, *scenario.unused_distributions()),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         median_m_s=None if error is None else error.median(limit),
@@ -265,9 +262,9 @@ def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
     return error_of(row.scenario, ratio, row.armours, limit_m_s)
 
 
-def not_monotonic(limit: LimitResult) -> tuple[str, ...]:
+def not_monotonic(limit: LimitResult) -> tuple[Note, ...]:
     """Return a warning if the outcome changes above the limit."""
-    return () if limit.monotonic else (f"the outcome is not monotonic: {_listed(limit.crossings)}",)
+    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {_listed(limit.crossings)}"),)
 
 
 def _outcomes(row: Variants, velocities: list[float]) -> Any:
@@ -299,7 +296,7 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
     for i in np.flatnonzero(perforated[:-1] != perforated[1:]):
         if not crossings and perforated[i + 1]:
             # The limit equals the engine's to the last bit.
-            brackets = batch.ballistic_limits(row.parameters, low, high, tolerance, settings, points)
+            brackets = batch.ballistic_limits(row.parameters, scanned[i], scanned[i + 1], tolerance, settings, 2)
             change = search.SearchResult._make(column.item() for column in brackets)
         else:
             below, above = (search.impact(armour, velocity, settings) for velocity in scanned[i : i + 2])
@@ -364,7 +361,7 @@ class ConfidenceResult(Result):
         Relative error of the ballistic limit by the model.
     reason : str
         Reason why the probability is not known.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which the scenario is unlike what the model was compared with.
     median_m_s : float or None
         Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
@@ -383,18 +380,12 @@ class ConfidenceResult(Result):
     ballistic_limit_m_s: float | None
     model_error: ModelError | None
     reason: str = ""
-    warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     median_m_s: float | None = None
     interval_m_s: tuple[float, float] | None = None
     probability_at_normal_incidence: float | None = None
     flow_stress: NeededFlowStress | None = None
     probability_v50_exceeds_velocity: float | None = None
-
-    def _words(self) -> str:
-        if self.probability_of_stopping is None:
-            return "probability of stopping the projectile not known"
-        at_least = "at least " if self.model_error is not None and self.model_error.at_least else ""
-        return f"probability of stopping the projectile {at_least}{self.probability_of_stopping:.3f}"
 
 
 @checked
@@ -421,12 +412,12 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     if result.probability_of_stopping is None:
         required = scenario.design.required_probability if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
-    result = replace(result, warnings=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
+    result = replace(result, notes=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
     return result.of(scenario=scenario)
 
 
 def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Return the confidence in the armour of a single row, without `warnings` and `flow_stress`."""
+    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`."""
     limit, error, reason = limit_and_error(row, on_progress)
     probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:

@@ -13,8 +13,8 @@ from armour.analysis.results import TableResult, by_column, same_columns
 from armour.core import equations, stages
 from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
-from armour.core.state import Outcome, Parameters, State
-from armour.errors import InputError, mistake
+from armour.core.state import Outcome, Parameters
+from armour.errors import InputError, Note, mistake
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
@@ -89,20 +89,12 @@ class History(TableResult):
     shear_force_kN: NDArray[np.float64]
     stage: NDArray[np.str_]
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """No warnings: the result of the impact has them."""
-        return ()
-
     def __eq__(self, other: object) -> bool:
         return isinstance(other, History) and same_columns(self._columns(), other._columns())
 
     def to_dict(self) -> dict[str, Any]:
         """Return the quantities as lists by name."""
         return {name: values.tolist() for name, values in self._columns().items()}
-
-    def _words(self) -> str:
-        return f"{len(self.time_us)} instants from 0 to {self.time_us[-1]:.2f} µs"
 
     def _columns(self) -> dict[str, Any]:
         return {item.name: getattr(self, item.name) for item in fields(self)}
@@ -135,7 +127,7 @@ class ImpactResult(TableResult):
         Time step, µs, if the scenario gives one; None where the estimated error chooses each step.
     stages : tuple of StageRecord
         Stages of the impact, in order.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which the scenario lies outside the validated range.
     history : History or None
         Quantities over time, if requested.
@@ -153,7 +145,7 @@ class ImpactResult(TableResult):
     areal_density_kg_m2: float
     time_step_us: float | None
     stages: tuple[StageRecord, ...]
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     history: History | None = None
     whole_areal_density_kg_m2: float = 0.0
 
@@ -162,10 +154,6 @@ class ImpactResult(TableResult):
         data = super().to_dict()
         del data["history"]
         return data
-
-    def _words(self) -> str:
-        residual = f", residual velocity {self.residual_velocity_m_s:.1f} m/s" if self.residual_velocity_m_s else ""
-        return f"{self.outcome} at {self.impact_velocity_m_s:g} m/s{residual}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(stage) for stage in self.stages)
@@ -212,7 +200,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         time_step_us=scenario.solver.time_step_us,
         stages=stage_records(trace, armour),
-        warnings=scenario_warnings(scenario, velocity, said=True),
+        notes=scenario_warnings(scenario, velocity, said=True),
         history=history_of(trace, armour, spacing) if history else None,
     )
 
@@ -266,48 +254,6 @@ def kinetic_energy(instant: Instant, armour: Parameters) -> float:
     """Return the kinetic energy of the projectile's rigid part, J."""
     mass = armour.rho_p * equations.cross_section(armour.D0) * instant.y.L
     return mass * instant.y.V**2 / 2.0
-
-
-@dataclass(frozen=True)
-class EnergyBalance:
-    """Kinetic energy of the projectile, J: at impact, lost, and left at the end of the run."""
-
-    before: float
-    eroded: float  # carried off by eroded material at the velocity that it had
-    braked: float  # work of the force that decelerates the rest of the rod
-    left: float
-
-    @property
-    def difference(self) -> float:
-        """Energy at impact minus the energies lost and left, J: the error of the integrated losses."""
-        return self.before - self.eroded - self.braked - self.left
-
-
-def energy_balance(scenario: Scenario, impact: ImpactResult) -> EnergyBalance:
-    """Integrate the loss of kinetic energy along the run of an impact.
-
-    Simpson's rule integrates the powers over each time step.  The state in the middle of a step is that of the cubic
-    through the states and rates at its ends, so the balance closes to the fourth order of the time step.
-    """
-    _, trace, armour = run_impact(scenario, impact.impact_velocity_m_s)
-    losses = [_lost(start, end, armour) for start, end in pairwise(trace) if end.t > start.t]
-    eroded, braked = map(sum, zip(*losses, strict=True))
-    return EnergyBalance(kinetic_energy(trace[0], armour), eroded, braked, kinetic_energy(trace[-1], armour))
-
-
-def _lost(start: Instant, end: Instant, p: Parameters) -> list[float]:
-    """Return the energies lost in a step with eroded material and by braking, J."""
-    dt, s = end.t - start.t, start.s
-    k0, k1 = stages.rates(start.y, s, p), stages.rates(end.y, s, p)
-    middle = state_within(start.y, k0, end.y, k1, dt, 0.5)
-    powers = _power(start.y, k0, p), _power(middle, stages.rates(middle, s, p), p), _power(end.y, k1, p)
-    return [dt / 6.0 * (first + 4.0 * mid + last) for first, mid, last in zip(*powers, strict=True)]
-
-
-def _power(y: State, k: State, p: Parameters) -> tuple[float, float]:
-    """Return the powers lost with eroded material and by braking, W, at state `y` with rates `k`."""
-    per_length = p.rho_p * equations.cross_section(p.D0)
-    return -0.5 * per_length * k.L * y.V**2, -per_length * y.L * k.V * y.V
 
 
 def history_of(trace: Sequence[Instant], armour: Parameters, spacing: float) -> History:

@@ -7,7 +7,7 @@ The help of the command line lists them, so this module imports nothing that is 
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from armour.scenario.inputs import ERROR, OF_ERROR, ROLES, YIELD
+from armour.scenario.inputs import ERROR, OF_ERROR, ROLES, ROUND_AND_ARMOUR, YIELD
 from armour.scenario.keys import parts_of
 from armour.units import MM, US, words_and_unit
 
@@ -21,6 +21,43 @@ OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "op
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
 OF_WEIGHT = ("design.added_areal_density_kg_m2", "design.existing")
 DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "armour.layer", "design", "uncertainty")
+
+# Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
+OF_CHECK = (
+    *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
+    *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
+    *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
+    *("design.ceramic", "design.backing"),
+)
+
+
+class Answer(NamedTuple):
+    """What a command answers: its name in messages, and the sections and keys that it depends on or shows."""
+
+    computed: str
+    reads: tuple[str, ...]
+
+
+_IMPACT = (*OF_IMPACT, "armour", *OF_LIMIT)
+_WITH_ERROR = (*_IMPACT, *OF_ERROR, *OF_WEIGHT)
+_LIMIT = Answer("the ballistic limit", (*ROUND_AND_ARMOUR, *OF_LIMIT, *OF_ERROR, *OF_WEIGHT))
+_CHECK = (*_WITH_ERROR, "threat", "uncertainty", *OF_CHECK)
+_BYLINE = ("author", "project", "date")
+# By command.  What a sweep depends on follows from its quantities.
+ANSWERS = {
+    "simulate": Answer("the simulated impact", _WITH_ERROR),
+    "ballistic_limit": _LIMIT,
+    "compare": _LIMIT,
+    "check": Answer("the check", _CHECK),
+    "optimise": Answer("the design", DESIGNS),
+    "report": Answer("the report", (*_BYLINE, "armour", *DESIGNS)),
+    "report --as-is": Answer("the report", (*_BYLINE, "optimise", *_CHECK)),
+    "uncertainty": Answer("the answer", (*_IMPACT, "uncertainty", *OF_ERROR)),
+    "sensitivity": Answer("the answer", _IMPACT),
+    "calibrate": Answer("the answer", _IMPACT),
+    "v50": _LIMIT,
+    "plan_shots": _LIMIT._replace(computed="the answer"),
+}
 
 
 class Quantity(NamedTuple):

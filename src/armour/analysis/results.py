@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from math import nan
 from typing import Any, ClassVar, Self
 
+from armour.errors import Note
 from armour.files import finite
 from armour.scenario.scenario import Scenario, heading
 
@@ -45,6 +46,12 @@ class Result:
 
     question: ClassVar[Mapping[str, Any]] = {}
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader should know beside the answer: the texts of the notes of the result, if it has any."""
+        notes: Iterable[Note] = getattr(self, "notes", ())
+        return tuple(map(str, notes))
+
     def of(self, computed: str | None = None, **question: Any) -> Self:
         """Record the question that this result answers, in the result itself, and return the result.
 
@@ -62,21 +69,32 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, with None for NaN and infinity."""
-        plain: dict[str, Any] = finite(asdict(self))
-        return plain
+        data: dict[str, Any] = finite(_plain(self))
+        return data
 
     def __repr__(self) -> str:
-        return f"<{': '.join([type(self).__name__, *self.heading()[:1], self._words()])}>"
-
-    def _words(self) -> str:
-        """Return the main numbers of the result in one line."""
-        raise NotImplementedError
+        # How results are shown belongs to a higher layer.
+        line: str = import_module("armour.reporting.by_result").in_a_line(self)
+        return f"<{': '.join(filter(None, [type(self).__name__, *self.heading()[:1], line]))}>"
 
     def _repr_html_(self) -> str | None:
-        """Return the tables that the command prints, as HTML for a notebook."""
-        # By its name, as the tables belong to a layer above the results.
-        html: str | None = import_module("armour.reporting.show").in_html(self)
-        return html
+        """Return the tables that the command prints, as HTML for a notebook; None if there are none."""
+        in_html: str | None = import_module("armour.reporting.show").in_html(self)
+        return in_html
+
+
+def _plain(value: Any) -> Any:
+    """Return plain data for a value: dictionaries for dataclasses, and the texts of the notes of a result."""
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [*map(_plain, value)]
+    if not is_dataclass(value):
+        return value
+    data = {item.name: getattr(value, item.name) for item in fields(value)}
+    if isinstance(value, Result) and data.pop("notes", None) is not None:
+        data["warnings"] = value.warnings
+    return _plain(data)
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,17 +105,14 @@ class EachResult(Result):
     unanswered: Mapping[str, str]
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Note, ...]:
         """Warnings of all results, each after the name of its result."""
-        return tuple(f"{name}: {text}" for name, result in self.results.items() for text in vars(result)["warnings"])
+        return tuple(Note(text, name) for name, result in self.results.items() for text in result.warnings)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the results as plain data, by name."""
         results = {name: result.to_dict() for name, result in self.results.items()}
         return {**results, **{name: {"no_answer": reason} for name, reason in self.unanswered.items()}}
-
-    def _words(self) -> str:
-        return ", ".join((*self.results, *self.unanswered))
 
 
 @dataclass(frozen=True, repr=False)

@@ -64,10 +64,15 @@ def section_at(scenario: Scenario, values: Mapping[str, float], *, with_error: b
     problems = [
         Problem(scenario.file, f"uncertainty.{name}", lacking)
         for name, distribution in section.inputs().items()
-        if (lacking := distribution.mean_problem(values[name]))
+        if not _is_absent(name, values) and (lacking := distribution.mean_problem(values[name]))
     ]
     refuse(problems)
     return section.with_error() if with_error else section
+
+
+def _is_absent(name: str, values: Mapping[str, float]) -> bool:
+    """Return whether an input is the thickness of a ceramic that is left out, which does not vary."""
+    return name == CERAMIC and values[name] == 0.0
 
 
 def own_values(scenario: Scenario) -> dict[str, float]:
@@ -229,8 +234,7 @@ def probability_of_perforation(
         parts = [part[start : max(FIRST_SAMPLES, GROWTH * start)] for part in replicates]
         count = sum(map(len, parts))
         columns = columns_of(section, values, np.concatenate(parts))
-        if layers.get(CERAMIC) == 0.0:
-            columns.pop(CERAMIC, None)  # an absent layer has no thickness to vary
+        columns = {name: column for name, column in columns.items() if not _is_absent(name, values)}
         rows = sampled(scenario, {**{key: np.full(count, mm) for key, mm in layers.items()}, **columns}, count).variants
         added = [_chances(rows.at(part), errors) for part in portions(count, SAMPLES_OF_ONE_PASS)]
         on_progress(count, None)

@@ -183,13 +183,13 @@ class Variants(NamedTuple):
         speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
         for note, rows in limits_of_model(self.armours, metals, said=False):
-            yield note, int(np.count_nonzero(rows))
+            yield str(note), int(np.count_nonzero(rows))
         for limit in limits_outside(self.armours, speeds):
             yield f"{limit.key}: {limit.words}", len(limit.rows)
         armour = batch.fields(self.parameters)
         for bare in (False, True):
             if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
-                yield from ((note, count) for note in strength_notes(metals, bare=bare))
+                yield from ((str(note), count) for note in strength_notes(metals, bare=bare))
 
     def limits_by_law(self, errors: ErrorRows, own_limits: Floats) -> Floats:
         """Return the ballistic limits by each law in `errors`, m/s, (laws, n).

@@ -1,10 +1,11 @@
 """Assemble the commands of the program with their help and examples, and turn errors into exit codes."""
 
-import logging
 import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
+from inspect import getdoc
 from shutil import get_terminal_size
 from typing import Any
 
@@ -14,16 +15,19 @@ from typer.core import TyperCommand, TyperGroup
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
 from armour.cli import experiments, scenario_commands, suites
-from armour.cli.console import emit, say
+from armour.cli.console import discard, emit, say
 from armour.cli.library import init, library, schema
 from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
+from armour.files import reason
 from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
 # Least width of a terminal in which rich does not cut the longest names of options, characters.
 LEAST_WIDTH = 70
+# Heading, in the docstring of a command, of examples, which the tests run.
+EXAMPLES = "\n\nExamples\n--------\n"
 
 
 class _Helpful:
@@ -94,6 +98,10 @@ def _reported() -> Iterator[None]:
     except ArmourError as error:
         say(str(error))
         raise typer.Exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT) from None
+    except OSError as error:  # such as a full disk, for what rich prints
+        discard(sys.stdout)
+        say(f"{error.filename or 'standard output'}: {reason(error)}")
+        raise typer.Exit(WRONG_INPUT) from None
     except KeyboardInterrupt as interrupt:
         say("; ".join(("interrupted", *interrupt.args)))
         raise typer.Exit(INTERRUPTED) from None
@@ -106,17 +114,6 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     omitted = len(problems) - MAX_PROBLEMS
     return [*messages, f"and {omitted} more problems"] if omitted > 0 else messages
 
-
-class _Saying(logging.Handler):
-    """Prints on standard error what the program logs, such as that it compiles, which takes a while."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Print a message."""
-        say(record.getMessage())
-
-
-logging.getLogger("armour").setLevel(logging.INFO)
-logging.getLogger("armour").addHandler(_Saying())
 
 app = typer.Typer(
     cls=Reporting,
@@ -154,66 +151,43 @@ def _plan() -> None:
     """Plan the next shot of a V50 firing."""
 
 
-W, SUITE = "wilkins", "paper"
-
-# Commands by their heading in the help, each with examples; the tests run them.
-COMMANDS: dict[str, dict[Callable[..., None], tuple[str, ...]]] = {
-    "Predict": {
-        scenario_commands.simulate: (f"simulate {W}", f"simulate {W} --velocity 700 --history run.csv --plot run.svg"),
-        scenario_commands.ballistic_limit: (
-            f"ballistic-limit {W}",
-            f"ballistic-limit {W} --set armour.ceramic_thickness_mm=8 --json",
-        ),
-        scenario_commands.check: (f"check {W} --probability 0.9", "check wilkins bare_plate --junit check.xml"),
-        scenario_commands.sweep: (
-            f"sweep {W} --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg",
-        ),
-    },
-    "Design": {
-        scenario_commands.optimise: (
-            f"optimise {SUITE}/optimum_7.62mm_AP --confidence 0.9",
-            "optimise catalogue --plot study.svg --csv front.csv",
-        ),
-        scenario_commands.report: (f"report {SUITE}/optimum_7.62mm_AP -o report.html", "report paper -o suite.html"),
-    },
-    "Judge the answer": {
-        scenario_commands.uncertainty: ("uncertainty uncertain --plot uncertainty.svg",),
-        scenario_commands.sensitivity: (f"sensitivity {W} --plot sensitivity.svg",),
-        scenario_commands.compare: (f"compare {W}",),
-        suites.validate: ("validate", "validate paper --junit junit.xml"),
-        suites.figures: ("figures . --only fig09",),
-    },
-    "Use test data": {
-        experiments.v50: (f"v50 tests/shots {W} --plot v50.svg",),
-        experiments.calibrate: (
-            f"calibrate tests/wilkins {W} --write mine.toml --lot 'lot 7' --plot fit.svg",
-            f"calibrate tests/wilkins {W} --law backing --write-scenario fitted.toml --lot 'lot 7'",
-        ),
-        experiments.plan_shots: (
-            f"plan shots {W}",
-            f"plan shots {W} firing.csv --result complete --plot plan.svg",
-            f"plan shots {W} --simulate --true-v50-m-s 770 --true-scatter-m-s 15",
-        ),
-    },
-    "Prepare the input": {
-        init: (
-            "init mine.toml",
-            "init mine.toml --from paper/fig9_4mm --force",
-            "init suite.toml --from wilkins --from catalogue",
-        ),
-        library: ("library", "library SiC", "library metals --tested", "library 7.62 steel"),
-        schema: ("schema",),
-    },
+# Commands by their heading in the help.
+COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {
+    "Predict": (
+        scenario_commands.simulate,
+        scenario_commands.ballistic_limit,
+        scenario_commands.check,
+        scenario_commands.sweep,
+    ),
+    "Design": (scenario_commands.optimise, scenario_commands.report),
+    "Judge the answer": (
+        scenario_commands.uncertainty,
+        scenario_commands.sensitivity,
+        scenario_commands.compare,
+        suites.validate,
+        suites.figures,
+    ),
+    "Use test data": (experiments.v50, experiments.calibrate, experiments.plan_shots),
+    "Prepare the input": (init, library, schema),
 }
+
+
+def told(command: Callable[..., None]) -> tuple[str, list[str]]:
+    """Return the help of a command, and its examples."""
+    words, _, examples = (getdoc(command) or "").partition(EXAMPLES)
+    return words, examples.splitlines()
+
+
 for _panel, _commands in COMMANDS.items():
-    for _command, _examples in _commands.items():
-        _parts = ["Examples:", *(f"`armour {example}`" for example in _examples)]
+    for _command in _commands:
+        _help, _examples = told(_command)
+        _parts = ["Examples:", *(f"`{example}`" for example in _examples)]
         if _command is scenario_commands.sweep:
             # In the text below, since the column of descriptions is too narrow for the names.
             _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
-        _name, _epilog = _command.__name__.strip("_").replace("_", "-"), "\n\n".join(_parts)
+        _name, _epilog = _command.__name__.replace("_", "-"), "\n\n".join(_parts)
         if _command is experiments.plan_shots:
-            plan.command(_name.removeprefix("plan-"), cls=Command, epilog=_epilog)(_command)
+            plan.command(_name.removeprefix("plan-"), cls=Command, help=_help, epilog=_epilog)(_command)
         else:
-            app.command(_name, cls=Command, epilog=_epilog, rich_help_panel=_panel)(_command)
+            app.command(_name, cls=Command, help=_help, epilog=_epilog, rich_help_panel=_panel)(_command)
 app.add_typer(plan, name="plan", rich_help_panel="Use test data")

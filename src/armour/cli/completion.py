@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from glob import escape, glob
 from typing import Any, Literal, get_args, get_origin
 
-import armour.lazy as lazy
+import armour
 from armour.analysis.quantities import QUANTITIES
 from armour.files import shipped_files, shipped_notebooks, shipped_suites, shipped_tests
 from armour.scenario.inputs import INPUTS, NAMES, NAMING, ROLES, THREAT
@@ -49,7 +49,9 @@ tables = _files(".csv", shipped_tests)
 
 def entries() -> list[str]:
     """Return the names of all entries and threats in the library."""
-    return [*(name for names in lazy.shipped_library().entries.values() for name in names), *lazy.named_threats()]
+    from armour.scenario.library import named_threats
+
+    return [*(name for names in armour.shipped_library().entries.values() for name in names), *named_threats()]
 
 
 def inputs() -> list[str]:
@@ -73,15 +75,17 @@ def numbers(incomplete: str) -> list[str]:
 
 def assignments(incomplete: str) -> list[str]:
     """Return all inputs and keys, each followed by "="; once "=" is typed, the words that the key can have."""
+    from armour.scenario.library import named_threats
+
     key, equal, _ = incomplete.partition("=")
     if equal:
-        words = {name: lazy.shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
-        words[THREAT] = list(lazy.named_threats())
-        choices = {name: _choices(annotation) for name, annotation in _keys(lazy.Scenario)}
+        words = {name: armour.shipped_library().names(ROLES[role]) for role, name in NAMES.items()}
+        words[THREAT] = list(named_threats())
+        choices = {name: _choices(annotation) for name, annotation in _keys(armour.Scenario)}
         return [f"{key}={word}" for word in (choices | words).get(key, ())]
     # The many keys of distributions are offered only once "uncertainty." is typed.
     depth = 4 if incomplete.startswith("uncertainty.") else 3
-    keys = [key for key, _ in _keys(lazy.Scenario) if len(key.split(".")) <= depth]
+    keys = [key for key, _ in _keys(armour.Scenario) if len(key.split(".")) <= depth]
     return [f"{key}=" for key in dict.fromkeys((*INPUTS, *keys))]
 
 
@@ -90,8 +94,10 @@ def _keys(model: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
     Skip arrays of tables, tables with names of the user's choice, and the library.
     """
+    from armour.scenario.sections import model_in
+
     for name, field in model.model_fields.items():
-        inner = lazy.model_in(field.annotation)
+        inner = model_in(field.annotation)
         if inner is None:
             yield prefix + name, field.annotation
         elif get_origin(field.annotation) not in (list, dict) and name != "library":

@@ -72,11 +72,11 @@ def progress(unit: str, total: int | None = None) -> Iterator[Callable[..., None
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich import console, progress
 
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    rate = progress.TextColumn("{task.fields[rate]}")
+    columns = (progress.BarColumn(), progress.MofNCompleteColumn(), rate, progress.TimeRemainingColumn())
+    with progress.Progress(*columns, console=console.Console(stderr=True), transient=True) as bar:
         task = bar.add_task(unit, total=total, rate="")
 
         def advance(count: int, total: int | None = None, stored: bool = False) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 import armour
-import armour.lazy as lazy
+from armour.analysis.quantities import ANSWERS
 from armour.cli import completion, runner
 from armour.cli.console import progress, say
 from armour.cli.options import (
@@ -29,9 +29,8 @@ from armour.cli.options import (
     word_option,
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
-from armour.cli.scenario_commands import LIMIT_READS
 from armour.errors import point_hint
-from armour.files import shell_line, shipped_tests
+from armour.files import WORKBOOKS, shell_line, shipped_tests
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
@@ -98,13 +97,17 @@ def v50(
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
+
+    Examples
+    --------
+    armour v50 tests/shots wilkins --plot v50.svg
     """
     from armour.cli.firings import each_result
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
-    loaded = _scenario_of(scenario, changes, computed="the ballistic limit")
-    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
+    loaded = _scenario_of(scenario, changes, "v50")
+    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
     options = given(
         pairs=pairs,
         span_m_s=span_m_s,
@@ -174,11 +177,19 @@ def calibrate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Fit model inputs to tests."""
+    """Fit model inputs to tests.
+
+    Examples
+    --------
+    armour calibrate tests/wilkins wilkins --write mine.toml --lot 'lot 7' --plot fit.svg
+    armour calibrate tests/wilkins wilkins --law backing --write-scenario fitted.toml --lot 'lot 7'
+    """
+    from armour.statistics.fitted_library import library_text, scenario_text
+
     if is_table(scenario):
         table, scenario = scenario, table
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenario=loaded, plot=plot, force=force)
+    loaded = read_scenario(scenario, changes, ANSWERS["calibrate"])
+    check_outputs(library, fitted, tables=[csv], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
@@ -188,8 +199,8 @@ def calibrate(
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law))
     files: Files = {
         csv: lambda _: rows_csv(result),
-        library: lambda _: lazy.library_text(result, tests, loaded, lot),
-        fitted: lambda path: lazy.scenario_text(result, tests, loaded, lot, path),
+        library: lambda _: library_text(result, tests, loaded, lot),
+        fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
     }
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
@@ -204,18 +215,13 @@ def calibrate(
 
 def is_table(path: Path) -> bool:
     """Return whether a file is a table, by its name; commands accept a table before or after a scenario."""
-    return path.suffix.lower() in (".csv", ".tsv", ".txt", *lazy.WORKBOOKS) or path.as_posix() in shipped_tests()
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
-def _scenario_of(
-    path: Path | None, changes: list[str] | None, computed: str = "the answer"
-) -> "armour.Scenario | None":
-    """Read a scenario for its ballistic limit; return None without a path.
-
-    `changes` are those of ``--set``, and `computed` names the result in messages.
-    """
+def _scenario_of(path: Path | None, changes: list[str] | None, command: str) -> "armour.Scenario | None":
+    """Read a scenario for a command, with the changes of ``--set``; return None without a path."""
     if path is not None:
-        return read_scenario(path, changes, LIMIT_READS, computed=computed)
+        return read_scenario(path, changes, ANSWERS[command])
     if changes:
         raise wrong_option("--set", "must be given with a scenario")
     return None
@@ -303,13 +309,19 @@ def plan_shots(
 
     The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
+
+    Examples
+    --------
+    armour plan shots wilkins
+    armour plan shots wilkins firing.csv --result complete --plot plan.svg
+    armour plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15
     """
     from armour.cli import firings
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
-    loaded = _scenario_of(scenario, changes)
-    check_outputs(inputs=[scenario, table, *(earlier or ())], scenario=loaded, plot=plot, force=force)
+    loaded = _scenario_of(scenario, changes, "plan_shots")
+    check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
     is_fired, is_divided = result is not None, each or sheet is not None
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
@@ -353,10 +365,10 @@ def plan_shots(
             files: Files = {}
             if result is None or table is None:
                 planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each=each)
-                warnings = planned.warnings
+                notes = planned.notes
             else:
-                planned, warnings, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+                planned, notes, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
-        answer(planned, loaded, files, warnings, plot=plot, file=file, as_json=as_json, verbose=verbose)
+        answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if each and planned.unanswered:
         raise typer.Exit(runner.NO_ANSWER)

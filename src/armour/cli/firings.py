@@ -11,7 +11,7 @@ from armour.cli.console import say
 from armour.cli.runner import Files, say_how_read, wrong_option
 from armour.columns import GROUPS, perforates
 from armour.csv_files import MUST_SAY, open_table
-from armour.errors import InputError, NoAnswerError, joined, mistake
+from armour.errors import InputError, NoAnswerError, Note, joined, mistake
 from armour.planning.firing import ShotPlan, far_from
 from armour.planning.shot_file import content_of, locked, with_shot
 from armour.scenario.keys import describe
@@ -83,10 +83,10 @@ def plan_after(
     result: str,
     velocity_m_s: float | None,
     where: Mapping[str, str],
-) -> tuple[ShotPlan, list[str], Files]:
+) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
 
-    Return the plan, its warnings and those on the added shot, and the table as a file to write.  The table stays locked
+    Return the plan, its notes and those on the added shot, and the table as a file to write.  The table stays locked
     until ``stack`` is closed.
     """
     if perforates(result) is None:
@@ -104,11 +104,10 @@ def plan_after(
         raise wrong_option("--velocity-m-s", "must be given: no further shot was planned")
     if message := far_from(limit, velocity):
         raise wrong_option("--velocity-m-s", message)
-    warnings = []
+    notes = []
     if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
-        warnings.append(
-            f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
-        )
+        words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
+        notes.append(Note(words))
     content = with_shot(table, velocity, result, where)
     source = open_table(table, is_of_shots, content=content)
     after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where)))
@@ -120,4 +119,4 @@ def plan_after(
             raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
         return content
 
-    return after, [*warnings, *after.warnings], {table: content_with_shot}
+    return after, [*notes, *after.notes], {table: content_with_shot}

@@ -8,7 +8,6 @@ from typing import Any
 import typer
 
 import armour
-import armour.lazy as lazy
 from armour import __version__
 from armour.cli import completion
 from armour.cli.console import progress, show, show_json
@@ -44,10 +43,23 @@ def library(
     """List projectiles, ceramics, threats and metals: all, or those with the words, in upper or lower case.
 
     If there is one, it is shown with the source of every value.
+
+    Examples
+    --------
+    armour library
+    armour library SiC
+    armour library metals --tested
+    armour library 7.62 steel
     """
-    found = lazy.search_library(words or ())
-    partners = lazy.tested_with() if tested else None
-    if partners is not None:
+    from armour.reporting.views import library as views
+    from armour.scenario.library import search_library
+
+    found = search_library(words or ())
+    partners = None
+    if tested:
+        from armour.validation.tested import tested_with
+
+        partners = tested_with()
         found = [each for each in found if _in_tests(*each) in partners]
         if not found:
             raise wrong_option("--tested", "must not be given: no tests of these provide a model error")
@@ -59,11 +71,11 @@ def library(
         if partners is not None:
             data[kind][name]["tested_with"] = partners[_in_tests(kind, name, item)]
     heading: list[str] = []
-    tables: list[Table | str] = [*lazy.tables_by_kind(items, partners)]
+    tables: list[Table | str] = [*views.tables_by_kind(items, partners)]
     if len(found) == 1 and not tested:
         [(kind, name, item)] = found
         heading = [f"{name} ({kind})"]
-        tables = [*tables, f"source: {item.source}"] if kind == "threat" else lazy.entry_tables(item)
+        tables = [*tables, f"source: {item.source}"] if kind == "threat" else views.entry_tables(item)
     show_answer(data, tables, as_json=as_json, heading=heading)
 
 
@@ -85,9 +97,18 @@ def init(
     yes: bool = YES,
     force: bool = FORCE,
 ) -> None:
-    """Write a scenario, a suite, a table of tests or a notebook to start from."""
+    """Write a scenario, a suite, a table of tests or a notebook to start from.
+
+    Examples
+    --------
+    armour init mine.toml
+    armour init mine.toml --from paper/fig9_4mm --force
+    armour init suite.toml --from wilkins --from catalogue
+    """
     if names:
-        show(*lazy.shipped_tables())
+        from armour.reporting.views.library import shipped_tables
+
+        show(*shipped_tables())
         return
     suites = shipped_suites()
     shipped = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
@@ -110,6 +131,8 @@ def init(
 
 def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path], *, yes: bool, force: bool) -> None:
     """Write a suite that watches scenarios; files among them are relative to its folder, and others are `shipped`."""
+    from armour.validation.new_suite import new_suite
+
     refuse(wrong_ending(file, (".toml",)))
     scenarios: dict[str, armour.Scenario] = {}
     problems: list[Problem] = []
@@ -121,9 +144,9 @@ def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path],
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
-    check_outputs(file, inputs=[path for loaded in scenarios.values() for path in lazy.files_of(loaded)], force=force)
+    check_outputs(file, scenarios=scenarios.values(), force=force)
     with progress("scenarios", len(scenarios)) as count:
-        text = lazy.new_suite(scenarios, count)
+        text = new_suite(scenarios, count)
     write({file: lambda _: text})
     propose(shell_line(["armour", "validate", source_word(file), "--update"]))
 
@@ -132,5 +155,11 @@ def schema() -> None:
     """Print the JSON Schema of a scenario.
 
     Editors use it to complete and check scenario files.
+
+    Examples
+    --------
+    armour schema
     """
-    show_json({**lazy.scenario_schema(), "$comment": f"made by armour {__version__}"})
+    from armour.scenario.scenario import scenario_schema
+
+    show_json({**scenario_schema(), "$comment": f"made by armour {__version__}"})

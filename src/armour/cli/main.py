@@ -1,12 +1,10 @@
 """Start the command line, and end it if it is interrupted."""
 
-import atexit
 import codecs
-import gc
 import os
 import signal
 import sys
-from collections.abc import Callable, MutableMapping
+from collections.abc import MutableMapping
 from io import TextIOWrapper
 from typing import Any
 
@@ -18,17 +16,21 @@ IGNORED = ("EAGER_IMPORT", "NPY_", "NUMPY_", "SCIPY_", "TERMINAL_WIDTH", "TYPER_
 
 def main() -> None:
     """Run the command line."""
-    # Before and after a command, end at once: there is nothing to clean up, and an import could lose an exception.
-    _when_interrupted(_end)
-    sys.unraisablehook = _end_if_interrupted
     interruptions = []
 
     def interrupt(number: int, _frame: object) -> None:
         interruptions.append(number)
         raise KeyboardInterrupt
 
+    for number in (signal.SIGINT, signal.SIGTERM):  # by a user, and by a program
+        signal.signal(number, interrupt)
+    sys.unraisablehook = _end_if_interrupted
     try:
-        _run(interrupt)
+        _open_streams()
+        _settle(os.environ)
+        from armour.cli.app import app
+
+        app(prog_name="armour")
     except KeyboardInterrupt:
         _end()
     except Exception:
@@ -37,32 +39,25 @@ def main() -> None:
         raise
 
 
-def _run(interrupt: Callable[[int, object], None]) -> None:
-    """Run the command line; `interrupt` handles interruptions while a command runs."""
-    try:
-        _open_streams()
-        codecs.register_error("plain", _plain)
-        for stream in (sys.stdout, sys.stderr):
-            if isinstance(stream, TextIOWrapper):
-                stream.reconfigure(errors="plain")
-        _settle(os.environ)
-        # Pydantic looks for plugins among all installed packages, which takes a while.
-        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-        # Else the processes that --scheduler local starts would import modules from the current folder.
-        os.environ["PYTHONSAFEPATH"] = "1"
-        # Matrices are small, so threads for linear algebra would only slow down the start.
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-        # Nearly all objects that a start creates live to the end: collecting garbage would take a quarter of its time.
-        gc.set_threshold(10_000)
-        atexit.register(gc.freeze)
-        from armour.cli.app import app
+def _open_streams() -> None:
+    """Open standard streams that are closed on the null device, so that no file gets their descriptors.
 
-        _when_interrupted(interrupt)
-        app(prog_name="armour")
-    except OSError as error:
-        _give_up(error)
-    finally:
-        _when_interrupted(_end)
+    Those that are open replace characters that their encodings lack.
+    """
+    codecs.register_error("plain", _plain)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
+        elif isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="plain")
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    """Replace characters that an encoding lacks, and return where to go on; an error handler for `codecs`."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(REPLACEMENTS.get(character, "?") for character in error.object[error.start : error.end]), error.end
 
 
 def _settle(environment: MutableMapping[str, str]) -> None:
@@ -74,31 +69,14 @@ def _settle(environment: MutableMapping[str, str]) -> None:
         is_no_size = name in ("COLUMNS", "LINES") and not (value.isascii() and value.isdecimal() and len(value) < 5)
         if not value or is_no_size or name.startswith(IGNORED):
             del environment[name]
-
-
-def _plain(error: UnicodeError) -> tuple[str, int]:
-    """Replace characters that an encoding lacks, and return where to go on; an error handler for `codecs`."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(REPLACEMENTS.get(character, "?") for character in error.object[error.start : error.end]), error.end
-
-
-def _when_interrupted(act: Any) -> None:
-    """Set the handler of the signals by which a user interrupts the process (SIGINT) or a program ends it (SIGTERM)."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, act)
-
-
-def _end(*_signal: object) -> None:
-    """End an interrupted process at once."""
-    try:
-        os.write(2, b"interrupted\n")
-    finally:
-        os._exit(130)
+    # Else the processes that --scheduler local starts would import modules from the current folder.
+    environment["PYTHONSAFEPATH"] = "1"
+    # Matrices are small, so threads for linear algebra would only slow down the start, by a fifth of numpy's.
+    environment.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _end_if_interrupted(lost: Any) -> None:
-    """End if an interruption came in a callback or a compiled module, where Python cannot raise it.
+    """End if an interruption came in a destructor or a callback, where Python cannot raise it.
 
     `lost` describes the exception that was lost; it is the argument of `sys.unraisablehook`.
     """
@@ -107,18 +85,9 @@ def _end_if_interrupted(lost: Any) -> None:
     sys.__unraisablehook__(lost)
 
 
-def _open_streams() -> None:
-    """Open standard streams that are closed on the null device, so that no file gets their descriptors."""
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
-
-
-def _give_up(error: OSError) -> None:
-    """End with exit code 2 and the message of the operating system, such as that the disk is full."""
-    from armour.cli.console import discard, say
-    from armour.files import reason
-
-    discard(sys.stdout)
-    say(": ".join((str(error.filename or "standard output"), reason(error))))
-    sys.exit(2)
+def _end() -> None:
+    """End an interrupted process at once: there is nothing to clean up."""
+    try:
+        os.write(2, b"interrupted\n")
+    finally:
+        os._exit(130)

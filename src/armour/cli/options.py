@@ -9,7 +9,6 @@ from typing import Any
 
 import typer
 
-import armour.lazy as lazy
 from armour.cli import completion
 
 
@@ -30,7 +29,9 @@ def flag(description: str, *names: str, **settings: Any) -> Any:
 
 def number(text: str) -> float | str:
     """Convert a word to a number; return other words as they are, since the function called refuses them."""
-    value = lazy.number(text)
+    from armour.csv_files import number as parsed
+
+    value = parsed(text)
     if value is None:
         return text
     return int(value) if text.lstrip("+-").isdigit() else value

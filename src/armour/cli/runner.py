@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import armour
-import armour.lazy as lazy
+from armour.analysis.quantities import Answer
 from armour.cli.console import emit, say, show, show_json
-from armour.errors import ArmourError, InputError, Problem, in_two_lines, mistake, refuse, restated
+from armour.errors import ArmourError, InputError, Note, Problem, in_two_lines, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
+from armour.reporting.junit import TestCase, is_junit_of_armour, junit_suite, junit_xml
 from armour.reporting.table import Table
 from armour.scenario.inputs import VELOCITY
-from armour.scenario.keys import changes_of, line_of, lines_of, upwards, values_by_key
+from armour.scenario.keys import changes_of, is_read, line_of, lines_of, upwards, values_by_key
 
 Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
 # Computations that take longer than this, s, are announced.
@@ -53,13 +54,13 @@ def check_outputs(
     junit: Path | None = None,
     plot: Path | None = None,
     updated: Path | None = None,
-    scenario: "armour.Scenario | None" = None,
+    scenarios: Iterable["armour.Scenario | None"] = (),
     force: bool = False,
 ) -> None:
     """Check that all outputs can be written and differ from each other and from inputs; raise an error otherwise.
 
     Only with ``force`` may an output replace a file, except that ``junit`` may replace JUnit XML written by this
-    program.  The files of the ``scenario`` are inputs too.  ``tables`` are CSV outputs.  ``updated`` is both an input
+    program.  The files of the ``scenarios`` are inputs too.  ``tables`` are CSV outputs.  ``updated`` is both an input
     and an output.
     """
     new = [path for path in (*outputs, *tables, junit, plot) if path is not None]
@@ -72,12 +73,14 @@ def check_outputs(
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
     sources = [0 if str(source) == "-" else source for source in inputs if source]  # the descriptor of standard input
-    if scenario is not None:
-        sources += lazy.files_of(scenario)
+    if loaded := [*filter(None, scenarios)]:
+        from armour.scenario.scenario import files_of
+
+        sources += [file for scenario in loaded for file in files_of(scenario)]
     for path in filter(isfile, new):
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
-        elif not (force or (path == junit and lazy.is_junit_of_armour(path))):
+        elif not (force or (path == junit and is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
     if not problems:
         resolved = [path.resolve() for path in paths]
@@ -112,31 +115,32 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
     except InputError as error:
         if junit is not None:
             cases = [
-                lazy.TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
+                TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
                 for problem, line in with_lines(error.problems)
             ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
-                suite = lazy.junit_suite("invalid input", cases, 0.0, origin_of())
-                write({junit: lambda _: lazy.junit_xml([suite])})
+                suite = junit_suite("invalid input", cases, 0.0, origin_of())
+                write({junit: lambda _: junit_xml([suite])})
         raise
 
 
 def read_scenario(
     path: Path,
     assignments: Sequence[str] | None,
-    reads: Collection[str],
+    asked: Answer,
     settings: Mapping[str, tuple[str, float | None]] = {},
-    computed: str = "the answer",
     probability: Any = None,
 ) -> "armour.Scenario":
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
-    ``assignments`` are those of ``--set``; they must set keys that the command ``reads``, or keys below these.
-    ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  ``computed``
-    names the result of the command in messages.  Errors in a value that an option sets name the option.  The scenario
-    requires at least the ``probability`` of stopping each threat, if one is given.
+    ``assignments`` are those of ``--set``; they must set keys that the answer ``asked`` for reads, or keys below these.
+    ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  Errors in a
+    value that an option sets name the option.  The scenario requires at least the ``probability`` of stopping each
+    threat, if one is given.
     """
+    from armour.scenario import effect, scenario
+
     changes = changes_of(assignments or ())
     options = {key: f"--set {key}" for key in changes}
     for option, (key, value) in settings.items():
@@ -147,16 +151,17 @@ def read_scenario(
     if str(path) == "-":
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
-        real_path = lazy.scenario_file(path)
+        real_path = scenario.scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
     with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
-        loaded = lazy.parse_changed(data, changes, file=file, folder=folder)
+        loaded = scenario.parse_changed(data, changes, file=file, folder=folder)
+    computed, reads = asked
     if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
         # The same command line is often used for simulate first.
         say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
-        reads = {*reads, VELOCITY}
-    lazy.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
+        reads = (*reads, VELOCITY)
+    effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     with as_options("requiring"):
         return loaded.requiring(probability)
 
@@ -170,7 +175,7 @@ def say_how_read(table: object, content: Content) -> Content:
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return the changes of ``--set`` whose keys a command reads, given the keys ``reads``."""
-    return [text for text in changes if all(lazy.is_read(key, reads) for key in values_by_key(changes_of([text])))]
+    return [text for text in changes if all(is_read(key, reads) for key in values_by_key(changes_of([text])))]
 
 
 def source_word(file: str | Path) -> str:
@@ -200,7 +205,7 @@ def answer(
     result: Any,
     scenario: "armour.Scenario | None",
     files: Files | None = None,
-    warnings: Iterable[str] | None = None,
+    notes: Iterable[Note] | None = None,
     *,
     plot: Path | None = None,
     file: str = "",
@@ -210,13 +215,15 @@ def answer(
 ) -> None:
     """Show a result as tables or, with ``extra_data``, as JSON; write its files and its picture; print warnings.
 
-    The warnings are those of the result, unless ``warnings`` are given; ``file`` is the file that they name.
+    The warnings are the notes of the result, unless ``notes`` are given; ``file`` is the file that they name.
     """
+    from armour.reporting.by_result import by_result, tables_of
+
     result.of(every_row=verbose)
-    tables = () if as_json else lazy.by_result(lazy.tables_of, result)(result)
+    tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
     show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
-    shown = warnings_of(scenario, result.warnings if warnings is None else warnings, file, verbose=verbose)
+    shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
 
@@ -284,7 +291,9 @@ def drawing() -> Any:
 
 def origin_of(scenario: "armour.Scenario | None" = None) -> dict[str, str]:
     """Return what outputs record about their origin: the command line, the versions, and the scenario."""
-    return lazy.made_by(scenario, command_line())
+    from armour.analysis.results import made_by
+
+    return made_by(scenario, command_line())
 
 
 def command_line() -> str:
@@ -302,7 +311,7 @@ def _without_folders(word: str) -> str:
 
 
 def warnings_of(
-    scenario: "armour.Scenario | None", warnings: Iterable[str], file: str = "", *, verbose: bool
+    scenario: "armour.Scenario | None", warnings: Iterable[Note], file: str = "", *, verbose: bool
 ) -> list[str]:
     """Return the notes on a scenario, and the warnings, as lines for standard error.
 
@@ -311,9 +320,8 @@ def warnings_of(
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    shown = list(dict.fromkeys(warnings))
-    if not verbose:
-        shown = in_two_lines(shown, "with -v")
+    told = list(dict.fromkeys(warnings))
+    shown = list(map(str, told)) if verbose else in_two_lines(told, "with -v")
     return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 

@@ -1,6 +1,6 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -8,8 +8,7 @@ from typing import Any
 import typer
 
 import armour
-import armour.lazy as lazy
-from armour.analysis.quantities import DESIGNS, OF_WEIGHT, QUANTITIES, reads_of
+from armour.analysis.quantities import ANSWERS, QUANTITIES, Answer, reads_of
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, show, show_json
 from armour.cli.folders import YES, scenario_paths
@@ -30,23 +29,12 @@ from armour.cli.options import (
     option,
 )
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
-from armour.errors import InputError, Problem, counted, duration, refuse
+from armour.errors import InputError, Note, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
+from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
-from armour.scenario.inputs import OF_ERROR, ROUND_AND_ARMOUR, VELOCITY
+from armour.scenario.inputs import ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
-
-# Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
-CHECK = (
-    *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
-    *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
-    *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
-    *("design.ceramic", "design.backing"),
-)
-# Sections and keys that ballistic limits, impacts and checks depend on; see `armour.scenario.effect`.
-LIMIT_READS = (*ROUND_AND_ARMOUR, "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
-IMPACT_READS = ("impact", "armour", "ballistic_limit", *OF_ERROR, *OF_WEIGHT)
-CHECK_READS = (*IMPACT_READS, "threat", "uncertainty", *CHECK)
 
 
 def simulate(
@@ -59,21 +47,30 @@ def simulate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Simulate one impact."""
+    """Simulate one impact.
+
+    Examples
+    --------
+    armour simulate wilkins
+    armour simulate wilkins --velocity 700 --history run.csv --plot run.svg
+    """
+    from armour.evidence.tests import scenario_warnings
+    from armour.reporting.views.analysis import history_csv
+
     settings = {"--velocity": (VELOCITY, velocity)}
-    loaded = read_scenario(scenario, changes, IMPACT_READS, settings, "the simulated impact")
-    check_outputs(tables=[history], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    loaded = read_scenario(scenario, changes, ANSWERS["simulate"], settings)
+    check_outputs(tables=[history], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
     limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else lazy.scenario_warnings(loaded, limit, "ballistic_limit", said=True)
-    warnings = tuple(dict.fromkeys((*result.warnings, *of_limit, *confidence.warnings)))
-    extra_data = {"warnings": list(warnings), "confidence": confidence.to_dict()}
+    of_limit = () if limit is None else scenario_warnings(loaded, limit, "ballistic_limit", said=True)
+    notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
+    extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    files: Files = {history: lambda _: lazy.history_csv(result)}
-    answer(result, loaded, files, warnings, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
+    files: Files = {history: lambda _: history_csv(result)}
+    answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
 def ballistic_limit(
@@ -84,13 +81,18 @@ def ballistic_limit(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Find the ballistic limit."""
-    loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    """Find the ballistic limit.
+
+    Examples
+    --------
+    armour ballistic-limit wilkins
+    armour ballistic-limit wilkins --set armour.ceramic_thickness_mm=8 --json
+    """
+    loaded = read_scenario(scenario, changes, ANSWERS["ballistic_limit"])
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result), *result.warnings)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, notes=_of_limit(result), plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -101,13 +103,24 @@ def compare(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Compare the model with simpler formulas."""
-    loaded = read_scenario(scenario, changes, (*LIMIT_READS, *OF_WEIGHT), computed="the ballistic limit")
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    """Compare the model with simpler formulas.
+
+    Examples
+    --------
+    armour compare wilkins
+    """
+    loaded = read_scenario(scenario, changes, ANSWERS["compare"])
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    warnings = (*lazy.not_monotonic(result.limit), *result.limit.warnings)
-    answer(result, loaded, warnings=warnings, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, notes=_of_limit(result.limit), plot=plot, as_json=as_json, verbose=verbose)
+
+
+def _of_limit(limit: "armour.LimitResult") -> tuple[Note, ...]:
+    """Return the notes on a ballistic limit, also those that its tables contain."""
+    from armour.analysis.ballistic_limit import not_monotonic
+
+    return (*not_monotonic(limit), *limit.notes)
 
 
 def check(
@@ -138,7 +151,16 @@ def check(
     The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it has all that
     the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
     ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
+
+    Examples
+    --------
+    armour check wilkins --probability 0.9
+    armour check wilkins bare_plate --junit check.xml
     """
+    from armour.design.against import moved
+    from armour.reporting.formats import markdown_report
+    from armour.reporting.views import design as views
+
     paths = scenario_paths(scenario, yes=yes)
     is_one = paths == scenario[:1]  # false for a folder, however many scenarios are in it
     if plot is not None and not is_one:
@@ -146,8 +168,8 @@ def check(
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, either(probability, confidence))
     earlier = None if against is None else read_json(against)
-    inputs = [*paths, against, *(file for loaded in scenarios for file in lazy.files_of(loaded))]
-    check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, plot=plot, force=force)
+    inputs = [*paths, against]
+    check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, scenarios=scenarios, plot=plot, force=force)
     results: list[armour.CheckResult] = []
     suites, warnings = [], []
     for loaded in scenarios:
@@ -158,16 +180,16 @@ def check(
             if results:
                 emit("\n")
             first, *other_lines = result.heading()
-            show(*other_lines, *lazy.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
+            show(*other_lines, *views.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
-        suites.append(lazy.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
-        warnings += warnings_of(loaded, result.warnings, verbose=verbose)
+        suites.append(views.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
+        warnings += warnings_of(loaded, result.notes, verbose=verbose)
     answers = [*zip(scenarios, results, strict=True)]
     data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
-    moves = [] if against is None else [*lazy.moved(earlier, data, str(against))]
-    of_moved = [] if against is None else lazy.tables_of_moved(moves, str(against))
+    moves = [] if against is None else [*moved(earlier, data, str(against))]
+    of_moved = [] if against is None else views.tables_of_moved(moves, str(against))
     if against is not None:
-        suites.append(lazy.moved_junit(moves, str(against), runner.origin_of()))
+        suites.append(views.moved_junit(moves, str(against), runner.origin_of()))
     if as_json:
         if against is not None:
             by_scenario = {
@@ -179,13 +201,13 @@ def check(
     else:
         if not is_one:
             emit("\n")
-            show(lazy.check_summary({loaded.file: found for loaded, found in answers}))
+            show(views.check_summary({loaded.file: found for loaded, found in answers}))
         if of_moved:
             emit("\n")
             show(*of_moved)
     files: Files = {
-        junit: lambda _: lazy.junit_xml(suites),
-        markdown: lambda _: lazy.markdown_report(lazy.check_report(answers, of_moved)),
+        junit: lambda _: junit_xml(suites),
+        markdown: lambda _: markdown_report(views.check_report(answers, of_moved)),
         csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
@@ -203,7 +225,7 @@ def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, probability
     problems: list[Problem] = []
     for path in paths:
         try:
-            scenarios.append(read_scenario(path, changes, CHECK_READS, {}, "the check", probability))
+            scenarios.append(read_scenario(path, changes, ANSWERS["check"], probability=probability))
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
@@ -228,21 +250,29 @@ def optimise(
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
     Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
+
+    Examples
+    --------
+    armour optimise paper/optimum_7.62mm_AP --confidence 0.9
+    armour optimise catalogue --plot study.svg --csv front.csv
     """
-    loaded = read_scenario(scenario, changes, DESIGNS, {}, "the design", either(probability, confidence))
-    check_outputs(page, tables=[csv], inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    from armour.design.optimise import effort
+    from armour.reporting.views.design import design_csv
+
+    loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability=either(probability, confidence))
+    check_outputs(page, tables=[csv], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     if page is not None:
         refuse(wrong_ending(page, (".html",)))
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
-        designs, seconds = lazy.effort(loaded)
+        designs, seconds = effort(loaded)
         threats = counted(len(loaded.threats()), "threat")
         runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
-    files: Files = {csv: lambda _: lazy.design_csv(result), page: lambda _: map_page}
+    files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
-    if source != "-" and result.shown is not None:
+    if source != "-":
         runner.propose(_check_of(loaded, result.shown, source, changes or ()))
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
@@ -253,18 +283,19 @@ def _map(
     scenario: "armour.Scenario",
     source: str,
     changes: Sequence[str],
-    on_progress: "lazy.OnProgress",
+    on_progress: Callable[[int, int | None], None],
 ) -> str:
     """Return the HTML page with the map of all designs.
 
     `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
     """
-    command, needed = ["armour", "simulate", source], runner.accepted(changes, IMPACT_READS)
-    verdict = [str(line) for line in lazy.design_verdict(result)]
-    if (best := result.best) is not None:  # what the page does not show: sampled probabilities, and own tests
-        own_tests = lazy.tested_here(best.model_error) if best.model_error else []
-        verdict = [lazy.design_title(result), *own_tests] if best.probabilities or own_tests else []
-    return lazy.design_page(scenario, command, needed, on_progress, verdict)
+    from armour.reporting import design_page, words
+    from armour.reporting.by_result import in_a_line
+
+    command, needed = ["armour", "simulate", source], runner.accepted(changes, ANSWERS["simulate"].reads)
+    error = result.shown.model_error
+    own_tests = words.tested_here(error) if error else []  # which the page does not show
+    return design_page.design_page(scenario, command, needed, on_progress, [in_a_line(result), *own_tests])
 
 
 def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
@@ -274,9 +305,8 @@ def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: st
     """
     values = best.changes_to(scenario)
     replaced = {*values, "design.confidence", "design.probability_of_stopping"}
-    kept = [
-        change for change in runner.accepted(changes, CHECK_READS) if change.partition("=")[0].strip() not in replaced
-    ]
+    read = runner.accepted(changes, ANSWERS["check"].reads)
+    kept = [change for change in read if change.partition("=")[0].strip() not in replaced]
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.required_probability
     confidence = ["--confidence", f"{required:g}"] if required else []
@@ -295,9 +325,13 @@ def sensitivity(
 
     The effects are elasticities: the change of ballistic limit and residual velocity, in per cent, when an input grows
     by 1 %.
+
+    Examples
+    --------
+    armour sensitivity wilkins --plot sensitivity.svg
     """
-    loaded = read_scenario(scenario, changes, ("impact", "armour", "ballistic_limit"))
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    loaded = read_scenario(scenario, changes, ANSWERS["sensitivity"])
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.sensitivity(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
@@ -312,10 +346,14 @@ def uncertainty(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Propagate input uncertainty to the outcome and the ballistic limit."""
-    reads = ("impact", "armour", "ballistic_limit", "uncertainty", *OF_ERROR)
-    loaded = read_scenario(scenario, changes, reads, {"--samples": ("uncertainty.samples", samples)})
-    check_outputs(inputs=[scenario], scenario=loaded, plot=plot, force=force)
+    """Propagate input uncertainty to the outcome and the ballistic limit.
+
+    Examples
+    --------
+    armour uncertainty uncertain --plot uncertainty.svg
+    """
+    loaded = read_scenario(scenario, changes, ANSWERS["uncertainty"], {"--samples": ("uncertainty.samples", samples)})
+    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("samples") as count:
         result = armour.uncertainty(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
@@ -352,13 +390,18 @@ def sweep(
     changes: list[str] | None = CHANGES,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Compute quantities over a grid or a table of cases; resume if interrupted."""
+    """Compute quantities over a grid or a table of cases; resume if interrupted.
+
+    Examples
+    --------
+    armour sweep wilkins --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg
+    """
     from armour.cli import sweeping
 
     names = [name.strip() for name in quantities.split(",")]
     reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, (*ROUND_AND_ARMOUR, *reads), computed="the sweep")
-    check_outputs(output, inputs=[scenario, cases], scenario=loaded, plot=plot, force=force)
+    loaded = read_scenario(scenario, changes, Answer("the sweep", (*ROUND_AND_ARMOUR, *reads)))
+    check_outputs(output, inputs=[scenario, cases], scenarios=[loaded], plot=plot, force=force)
     keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
     runner.check_options(
         ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
@@ -370,11 +413,6 @@ def sweep(
         source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
-
-
-# Keys whose texts a report shows, and keys that a report on the scenario's own armour depends on.
-BYLINE = ("author", "project", "date")
-AS_IS = ("impact", "threat", *CHECK, "ballistic_limit", "uncertainty", *OF_ERROR, "optimise")
 
 
 def report(
@@ -395,16 +433,26 @@ def report(
     """Write a report.
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
+
+    Examples
+    --------
+    armour report paper/optimum_7.62mm_AP -o report.html
+    armour report paper -o suite.html
     """
+    from armour.reporting import formats, scenario_report
+    from armour.reporting.views.validation import suite_report
+    from armour.scenario.scenario import files_of, scenario_file
+    from armour.validation.suite import suite_files
+
     probability = either(probability, confidence)
     required = [] if probability is None else ["--probability", str(probability)]
     changes = changes or []
     command = runner.command_line()
-    set_words = runner.set_options(runner.accepted(changes, DESIGNS))
+    set_words = runner.set_options(runner.accepted(changes, ANSWERS["optimise"].reads))
     optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
     map_command = shell_line([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
-        source = lazy.scenario_file(source, shipped_suites())
+        source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     runner.check_options(
         ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
@@ -412,20 +460,19 @@ def report(
     )
     if is_suite:
         suite = armour.load_suite(source, changes_of(changes))
-        inputs = lazy.suite_files(suite)
+        inputs = suite_files(suite)
     else:
-        reads = (*BYLINE, "armour", *(AS_IS if as_is else DESIGNS))
-        scenario = read_scenario(source, changes, reads, {}, "the report", probability)
-        inputs = [source, *lazy.files_of(scenario)]
+        asked = ANSWERS["report --as-is" if as_is else "report"]
+        scenario = read_scenario(source, changes, asked, probability=probability)
+        inputs = [source, *files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
-    refuse(wrong_ending(output, lazy.REPORT_ENDINGS))
+    refuse(wrong_ending(output, formats.REPORT_ENDINGS))
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
-            content = lazy.suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
+            content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            contents = lazy.contents_of(scenario, count, as_is=as_is)
-        content = lazy.scenario_report(contents, command, map_command)
+            content = scenario_report.scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
     if output.suffix.lower() == ".html":
         runner.drawing()
-    write({output: lambda path: lazy.report_text(content, path)})
+    write({output: lambda path: formats.report_text(content, path)})

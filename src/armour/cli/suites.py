@@ -1,6 +1,7 @@
 """Commands on suites of published values, and on the paper's figures."""
 
 import os
+from collections.abc import Callable
 from functools import partial
 from itertools import groupby, pairwise
 from operator import attrgetter
@@ -11,7 +12,6 @@ from typing import Any, Literal
 import typer
 
 import armour
-import armour.lazy as lazy
 from armour.cli import completion, runner
 from armour.cli.console import progress, say, show
 from armour.cli.options import AS_JSON, CHANGES, FORCE, argument, file_option, flag, option
@@ -44,7 +44,17 @@ def validate(
 
     The exit code is 3 if a value lies outside its band, with --update a value that is not replaced; if a band of more
     than 10 % has no reason; or if no case is scored.
+
+    Examples
+    --------
+    armour validate
+    armour validate paper --junit junit.xml
     """
+    from armour.reporting.formats import markdown_report
+    from armour.reporting.views import validation as views
+    from armour.validation import suite as suites
+    from armour.validation import validate as judging
+
     path = suite_file("paper" if suite is None else suite)
     wrong = ["must be given a suite of your own; published values are not replaced"] if path != suite else []
     wrong += ["must not be given with --set, whose changes are not in the suite"] if changes else []
@@ -52,31 +62,48 @@ def validate(
     updated = suite if update else None
     with mistakes_in(junit, [path], force=force):
         loaded = armour.load_suite(path, changes_of(changes or ()))
-    check_outputs(markdown, junit=junit, inputs=lazy.suite_files(loaded), updated=updated, force=force)
+    check_outputs(markdown, junit=junit, inputs=suites.suite_files(loaded), updated=updated, force=force)
     chosen = loaded.only(only)
     if update and not any(case.regression for case in chosen.cases):
         message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
         raise mistake(chosen.file, "regression", message)
-    result, seconds = _computed(chosen, quiet=as_json)
-    judged = lazy.kept_by_update(result) if update else result
-    tables = lazy.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
+
+    def show_done(checks: "list[armour.Check]") -> None:
+        if not as_json:
+            show(*views.tables_of_suite(judging.result_of(chosen, checks)))
+
+    def updated_content(_path: Path) -> bytes | None:
+        if judged.checks:
+            say(f"kept, as no regression values: {len(judged.checks)} of {len(result.checks)} expected values")
+        updates = judging.updates_of(result)
+        if not updates:
+            say("every regression value is the computed one")
+            return None
+        show(views.update_table(updates), stderr=True)
+        return judging.updated_file(chosen.file.read_bytes(), updates)
+
+    result, seconds = _computed(chosen, show_done)
+    judged = judging.kept_by_update(result) if update else result
+    tables = views.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
     show_answer(result.to_dict(), tables, as_json=as_json)
     write(
         {
-            markdown: lambda _: lazy.markdown_report(lazy.suite_report(result)),
-            junit: lambda _: lazy.suite_junit(result, seconds, origin_of()),
-            updated: lambda _: _updated(chosen.file, result),
+            markdown: lambda _: markdown_report(views.suite_report(result)),
+            junit: lambda _: views.suite_junit(result, seconds, origin_of()),
+            updated: updated_content,
         },
         [f"warning: {text}" for text in result.warnings],
     )
-    if judged.count(*lazy.FAILED) or not result.is_scored:
+    if judged.count(*judging.FAILED) or not result.is_scored:
         raise typer.Exit(CHECK_FAILED)
 
 
-def _computed(suite: "armour.Suite", *, quiet: bool) -> tuple["armour.SuiteResult", list[float]]:
+def _computed(
+    suite: "armour.Suite", show_done: "Callable[[list[armour.Check]], None]"
+) -> tuple["armour.SuiteResult", list[float]]:
     """Compute the cases of a suite; return the result and the time of each, s.
 
-    If interrupted, show those that are done, unless ``quiet``.
+    If interrupted, call `show_done` with the checks that are done, if there are any.
     """
     done: list[armour.Check] = []
     times = [perf_counter()]
@@ -90,24 +117,9 @@ def _computed(suite: "armour.Suite", *, quiet: bool) -> tuple["armour.SuiteResul
 
             return armour.validate(suite, on_check=on_check), [end - start for start, end in pairwise(times)]
     except KeyboardInterrupt:
-        if done and not quiet:
-            show(*lazy.tables_of_suite(lazy.result_of(suite, done)))
+        if done:
+            show_done(done)
         raise
-
-
-def _updated(suite: Path, result: "armour.SuiteResult") -> bytes | None:
-    """Return the content of a suite's file with its regression values updated; None if nothing changes.
-
-    The new values are listed on standard error.
-    """
-    if kept := lazy.kept_by_update(result).checks:
-        say(f"kept, as no regression values: {len(kept)} of {len(result.checks)} expected values")
-    updates = lazy.updates_of(result)
-    if not updates:
-        say("every regression value is the computed one")
-        return None
-    show(lazy.update_table(updates), stderr=True)
-    return lazy.updated_file(suite.read_bytes(), updates)
 
 
 def figures(
@@ -121,12 +133,20 @@ def figures(
     """Draw the paper's figures.
 
     These are figs. 3 to 14, and parity plots of table 3 and of bare plates. The values of each are also written as CSV.
+
+    Examples
+    --------
+    armour figures . --only fig09
     """
     drawing = runner.drawing()
 
-    path = lazy.paper_figures()
-    panels = {name: list(group) for name, group in groupby(lazy.read_figures(path), attrgetter("name"))}
-    names = [*panels, *lazy.PARITIES]
+    from armour.reporting.pictures import validation as pictures
+    from armour.reporting.views import validation as views
+    from armour.validation import figures as paper
+
+    path = paper.paper_figures()
+    panels = {name: list(group) for name, group in groupby(paper.read_figures(path), attrgetter("name"))}
+    names = [*panels, *paper.PARITIES]
     number = f"fig{only.zfill(2)}" if only.isdecimal() else ""
     chosen = [name for name in names if (name == number if number else only in name)]
     if not chosen:
@@ -142,12 +162,12 @@ def figures(
     # Write each figure as soon as it is computed, as all of them take a while.
     with progress("figures", len(chosen)) as count:
         for name in chosen:
-            if name in lazy.PARITIES:
-                result = lazy.parity(name)
-                table, draw = lazy.parity_table(result), partial(lazy.draw_suite, result)
+            if name in paper.PARITIES:
+                result = paper.parity(name)
+                table, draw = views.parity_table(result), partial(pictures.draw_suite, result)
             else:
-                figures = [lazy.compute_figure(section, path.parent) for section in panels[name]]
-                table, draw = lazy.figure_table(figures), partial(lazy.draw_figure, figures)
+                figures = [paper.compute_figure(section, path.parent) for section in panels[name]]
+                table, draw = views.figure_table(figures), partial(pictures.draw_figure, figures)
             figure = drawing.drawn(draw, drawing.Sheet()).figure
             folder.mkdir(parents=True, exist_ok=True)
             write(_files_of(folder, name, image, table, figure))

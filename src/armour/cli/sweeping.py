@@ -13,8 +13,8 @@ from armour.errors import counted, mistake
 from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
 from armour.scenario.scenario import Scenario, heading
 from armour.sweeps.cases import Grid, SweepCases, axis_of
-from armour.sweeps.store import read_table
 from armour.sweeps.sweep import Effort, subject_of, write_sweep
+from armour.sweeps.tables import read_table
 
 
 def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:

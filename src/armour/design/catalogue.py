@@ -12,10 +12,10 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of
 from armour.core.state import Parameters
 from armour.design.requirements import SLACK_ROUNDING
 from armour.engine import batch
-from armour.errors import Problem, refuse
+from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Materials, is_untested, lacks_sources
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, ROLES, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
@@ -40,9 +40,8 @@ NO_BOUND = 1.0
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN_COLUMN = "margin_m_s"
-# Number of back plate thicknesses with which a search starts if both layers are free: in a range without a step, and at
-# most in a range with one.
-FIRST_VALUES, MOST_VALUES = 41, 100
+# Number of back plate thicknesses with which a search starts if both layers are free.
+FIRST_VALUES = 41
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 SUM_DECIMALS = 9
 # Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
@@ -80,12 +79,8 @@ class CandidateDesigns(NamedTuple):
         return CandidateDesigns(pair[where], *(column[where] for column in numbers))
 
 
-def first_backings(backing: Range | FreeRange) -> tuple[Floats, float]:
+def first_backings(backing: FreeRange) -> tuple[Floats, float]:
     """Return the back plate thicknesses at which a search with both layers free starts, mm, and their distance, mm."""
-    if isinstance(backing, Range):
-        thicknesses = backing.values()
-        stride = -(-len(thicknesses) // MOST_VALUES)
-        return np.array(thicknesses[::stride]), stride * backing.step
     values, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
     return values, float(width)
 
@@ -227,8 +222,8 @@ class Catalogue:
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
-            thickness, values = layer.thickness_mm, layer.thicknesses()
-            if not isinstance(thickness, list) and thickness.min < thickness.max:
+            values = layer.thicknesses()
+            if isinstance(layer.thickness_mm, Range | FreeRange) and values[0] < values[-1]:
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
         return ranges
 
@@ -237,13 +232,13 @@ class Catalogue:
         in_catalogue = getattr(self.scenario.design, role, ())
         return f"design.{role}[{place}].thickness_mm" if in_catalogue else f"optimise.{role}_thickness_mm"
 
-    def omissions(self) -> Iterator[str]:
+    def omissions(self) -> Iterator[Note]:
         """Warn of each range of thicknesses that is not a whole number of steps."""
         for role in LAYER_WORDS:
             for place, layer in enumerate(getattr(self.section, role)):
                 thickness = layer.thickness_mm
                 if isinstance(thickness, Range) and (omission := thickness.omission()):
-                    yield f"{self._key(role, place)}: {omission}"
+                    yield Note(omission, self._key(role, place))
 
     @cached_property
     def costed(self) -> list[bool]:
@@ -271,12 +266,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
-    ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
-    metals = [scenario.entry("metal", layer.material) for layer in section.backing]
+    ceramics = [_entry(scenario, "ceramic", layer) if layer.material else None for layer in section.ceramic]
+    metals = [_entry(scenario, "backing", layer) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
     inputs = {
-        "ceramic": [_inputs_of_layer("ceramic", *pair) for pair in zip(ceramics, section.ceramic, strict=True)],
-        "backing": [_inputs_of_layer("backing", *pair) for pair in zip(metals, section.backing, strict=True)],
+        "ceramic": [{} if entry is None else inputs_of_entry("ceramic", entry) for entry in ceramics],
+        "backing": [inputs_of_entry("backing", entry) for entry in metals],
         "projectile": [
             {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", projectile)}
             for threat, projectile in zip(threats, projectiles, strict=True)
@@ -354,12 +349,14 @@ def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Probl
         yield Problem(file, "threat", message)
 
 
-def _inputs_of_layer(role: str, entry: LibraryEntry | None, layer: Layer) -> dict[str, float]:
-    """Return the values of the inputs of a layer's material, by name; none without a material."""
-    if entry is None:
-        return {}
-    inputs = inputs_of_entry(role, entry)
-    return inputs if layer.density_kg_m3 is None else inputs | {f"{role}.density_kg_m3": layer.density_kg_m3}
+def _entry(scenario: Scenario, role: str, layer: Layer) -> LibraryEntry:
+    """Return the entry of a layer's material, with the density that the layer gives."""
+    if layer.density_kg_m3 is None:
+        return scenario.entry(ROLES[role], layer.material)
+    changes = {NAMES[role]: layer.material, f"{role}.density_kg_m3": layer.density_kg_m3}
+    entry = scenario.replaced(changes).entry_of(role)
+    assert entry is not None
+    return entry
 
 
 def _parameters(inputs: Mapping[str, float]) -> list[float]:

@@ -14,11 +14,11 @@ from armour.analysis.ballistic_limit import (
     probability_of_stopping,
 )
 from armour.analysis.estimates import Estimate
-from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.variants import row_of
 from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
+from armour.errors import Note
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, outside_tests, threat_warnings
 from armour.scenario.checked import checked
@@ -139,7 +139,7 @@ class CheckResult(TableResult):
     threats : tuple of CheckedThreat
     verdict : {"passes", "fails", "not known"}
         Whether all that is required is met.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which armour and threats are unlike what the model was compared with.
     requirements : tuple of Requirement
         What is required whatever the threat, and what the armour has.
@@ -156,7 +156,7 @@ class CheckResult(TableResult):
 
     threats: tuple[CheckedThreat, ...]
     verdict: Verdict
-    warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     requirements: tuple[Requirement, ...] = ()
     areal_density_kg_m2: float = 0.0
     thickness_mm: float = 0.0
@@ -164,6 +164,10 @@ class CheckResult(TableResult):
     whole_areal_density_kg_m2: float = 0.0
     whole_thickness_mm: float = 0.0
     basis: dict[str, str] = field(default_factory=dict, hash=False)
+
+    def all_requirements(self) -> tuple[Requirement, ...]:
+        """Return the requirements against each threat, and then those whatever the threat."""
+        return (*(row for threat in self.threats for row in threat.requirements), *self.requirements)
 
     def _columns(self) -> dict[str, list[object]]:
         """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
@@ -175,9 +179,6 @@ class CheckResult(TableResult):
             given, *changed = ({"threat": threat.threat, "verdict": None, **vars(each)} for each in what_ifs)
             rows += [given | judged, *changed]
         return by_column(rows)
-
-    def _words(self) -> str:
-        return self.verdict
 
 
 @checked
@@ -211,31 +212,48 @@ def check(
     >>> armour.check(armour.load_scenario("wilkins")).verdict
     'fails'
     """
-    scenario = scenario.requiring(probability)
+    return check_of(scenario.requiring(probability), on_progress)
+
+
+def check_of(
+    scenario: Scenario, on_progress: OnProgress = ignore_progress, *, changes: bool = True, needed: bool = True
+) -> CheckResult:
+    """Check the armour of a scenario as `check` does, or without its changes or the flow stress needed."""
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
-    notes = [misplaced(distributions, scenario, impact) for impact in impacts]
+    wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
-        _checked(impact, threat, on_progress, sample=bool(distributions) and not misplacements)
-        for impact, threat, misplacements in zip(impacts, threats, notes, strict=True)
+        _checked(
+            impact,
+            threat,
+            on_progress,
+            sample=bool(distributions) and not misplacements,
+            changes=changes,
+            needed=needed,
+        )
+        for impact, threat, misplacements in zip(impacts, threats, wrongly_placed, strict=True)
     )
     areal_density, thickness, cost = scenario.areal_density_kg_m2(), scenario.thickness_mm(), scenario.cost_per_m2()
     rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
     verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
-    warnings = (
+    notes = (
         *scenario.floors,
         *scenario.unused_impact(),
         *scenario.unused_densities(),
         *threat_warnings(scenario, armours_of(*impacts)),
-        *(dict.fromkeys(note for each in notes for note in each) if requires else scenario.unused_distributions()),
+        *(
+            dict.fromkeys(note for each in wrongly_placed for note in each)
+            if requires
+            else scenario.unused_distributions()
+        ),
     )
     title = scenario.subject(threats=scenario.threat)
     return CheckResult(
         checked_threats,
         verdict_of(verdicts),
-        warnings,
+        notes,
         requirements=rows,
         areal_density_kg_m2=areal_density,
         thickness_mm=thickness,
@@ -246,10 +264,13 @@ def check(
     ).of(title, scenario=scenario)
 
 
-def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool) -> CheckedThreat:
+def _checked(
+    against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
+) -> CheckedThreat:
     """Check the armour of the scenario `against`, whose impact is the given threat.
 
-    `sample` tells whether to sample the distributions of its inputs if a probability is required.
+    `sample` tells whether to sample the distributions of its inputs if a probability is required, and `changes` and
+    `needed` whether to check the changes and to find the flow stress needed.
     """
     row, section = row_of(against), against.design or DesignSection()
     result = confidence_in(row, on_progress)
@@ -271,19 +292,21 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
             float(reached[0]),
             probability,
             sampled,
-            stops=simulate(against.replaced({VELOCITY: threat.required_m_s})).outcome == "stopped",
+            stops=not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
             greatest=greatest,
         )
     )
     what_ifs = []
-    for change, values in _changes(against, section.thickness_tolerance_mm):
+    for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
             changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
         interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
         chance = probability_of_stopping(changed, changed_limit, changed_error)
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))
-    required = None if bound is None else 1.0 - bound
+    required, flow_stress = None if bound is None else 1.0 - bound, None
+    if needed and probability is None:
+        flow_stress = needed_flow_stress(against, threat.required_m_s, required)
     return CheckedThreat(
         threat=threat.title,
         projectile=threat.projectile,
@@ -297,7 +320,7 @@ def _checked(against: Scenario, threat: Threat, on_progress: OnProgress, *, samp
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
-        flow_stress=None if probability is not None else needed_flow_stress(against, threat.required_m_s, required),
+        flow_stress=flow_stress,
         model_error=error,
         verdict=verdict_of(row.verdict for row in requirements),
         what_ifs=tuple(what_ifs),

@@ -219,9 +219,7 @@ class Designs:
     def __init__(
         self, catalogue: Catalogue, columns: CandidateDesigns, runs: Runs, reliability: Reliability | None = None
     ) -> None:
-        # A free thickness is NaN if no value passes.  Back plates that may be no metal count only if all may be.
-        is_metal = catalogue.metal if catalogue.metal.any() else ~catalogue.metal
-        columns = columns.at(~np.isnan(columns.thickness_mm) & is_metal[columns.pair])
+        columns = columns.at(~np.isnan(columns.thickness_mm))  # a free thickness is NaN if no value passes
         self.columns = columns.at(catalogue.objective(columns).argsort(kind="stable"))
         self.catalogue, self.runs, self.reliability = catalogue, runs, reliability
         self.values = catalogue.objective(self.columns)

@@ -1,7 +1,6 @@
 """Ballistic limits of a pair of materials over both thicknesses, and velocities stopped with given probabilities."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,8 +8,6 @@ import numpy as np
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.design.catalogue import CandidateDesigns, Catalogue
-from armour.design.designs import Designs, Runs
-from armour.design.optimise import Design, as_results
 from armour.evidence.model_error import given_error
 from armour.units import GPA
 
@@ -103,21 +100,6 @@ def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backin
                 low, high = (middle, high) if is_as_low else (low, middle)
             grids[axis] = np.union1d(grids[axis], [low, high])
     return grids[0], grids[1]
-
-
-def lightest(catalogue: Catalogue, pair: int, probability: float) -> Design | None:
-    """Return the best design of a pair that stops each threat with at least a probability; None if there is none.
-
-    No margin is required, and the inputs are taken as exact.  Return None, too, if a thickness is free.
-    """
-    layers = catalogue.offers[pair][:2]
-    if any(layer.free_range() for layer in layers):
-        return None
-    bounds = np.full(len(catalogue.threats), 1.0 - probability)
-    asked = replace(catalogue, bounds=bounds, margins_m_s=np.zeros_like(bounds), sampled=False)
-    designs = Designs(asked, asked.combinations(pair, *(layer.thicknesses() for layer in layers)), Runs())
-    first = designs.first(designs.offered)
-    return None if first is None else as_results(designs, np.array([first]))[0]
 
 
 def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:

@@ -12,7 +12,7 @@ from pydantic import Field
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
-from armour.errors import Problem, counted, mistake, refuse
+from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.planning import procedures
 from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
@@ -139,7 +139,7 @@ class ShotPlan(Result):
         ``probability`` of complete penetration.
     contradicts_prior : bool
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
-    warnings : tuple of str
+    notes : tuple of Note
         Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
         did not end, a greatest velocity below V50 or the required one, and ways in which the scenario differs from what
         the model was compared with.
@@ -180,13 +180,7 @@ class ShotPlan(Result):
     expected_shots_90: float | None = None
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
-    warnings: tuple[str, ...] = ()
-
-    def _words(self) -> str:
-        count = counted(len(self.fired.complete), "shot")
-        if self.next_velocity_m_s is None:
-            return f"{count}, {self.stopped}"
-        return f"{count}, the next at {self.next_velocity_m_s:.1f} m/s"
+    notes: tuple[Note, ...] = ()
 
 
 @checked
@@ -349,6 +343,15 @@ def plan_shots(
     if end_reason and required and not is_bayesian:
         end_reason += f"; the requirement is {requirement['decision']}"
     further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
+    doubts = (
+        *(fired.read.warnings if fired.read else ()),
+        *_far_shots(shots, expectation, limit),
+        *v50.swapped_note(shots),
+        *contradictions,
+        *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
+        *([NOT_ENDED] if simulate and aim else ()),
+        *(_too_slow(settings, estimate) if aim else ()),
+    )
     return ShotPlan(
         procedure=procedure,
         fired=fired,
@@ -379,15 +382,9 @@ def plan_shots(
         earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        warnings=(
-            *(fired.read.warnings if fired.read else ()),
-            *_far_shots(shots, expectation, limit),
-            *v50.swapped_note(shots),
-            *contradictions,
-            *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
-            *([NOT_ENDED] if simulate and aim else ()),
-            *(_too_slow(settings, estimate) if aim else ()),
-            *(() if limit is None else limit.warnings),
+        notes=(
+            *map(Note, doubts),
+            *(() if limit is None else limit.notes),
         ),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
 

@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -39,7 +39,6 @@ class ReportSection:
     tables: tuple[Table, ...] = ()
     notes: tuple[tuple[str, str], ...] = ()  # names, each with a text
     folded: bool = False  # whether HTML shows the heading alone until a reader opens the section
-    drawn: bool = False  # whether HTML leaves out the tables, because the pictures show the same numbers
 
 
 @dataclass(frozen=True)
@@ -58,6 +57,16 @@ class Report:
     passed: bool | None = None  # colours the lead; None without requirements
     byline: tuple[tuple[str, str], ...] = ()  # names and texts, such as ("author", "A. Smith")
     text: str = ""  # a paragraph after the lead
+
+
+def section_of(
+    heading: str, lines: Sequence[Table | str], picture: Callable[[Any], Any] | None = None
+) -> ReportSection:
+    """Return the section with tables and notes, and with a picture, if any, which is folded."""
+    tables = tuple(line for line in lines if isinstance(line, Table))
+    paragraphs = tuple(line for line in lines if not isinstance(line, Table))
+    pictures = () if picture is None else (picture,)
+    return ReportSection(heading, paragraphs, pictures=pictures, tables=tables, folded=picture is not None)
 
 
 def origin_section(command: str, words: str = "", scenario: Scenario | None = None) -> ReportSection:

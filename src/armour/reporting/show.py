@@ -140,7 +140,7 @@ def report(
         If the question of the scenario has no answer.
     """
     from armour.reporting.formats import REPORT_ENDINGS, report_text
-    from armour.reporting.scenario_report import contents_of, scenario_report
+    from armour.reporting.scenario_report import scenario_report
     from armour.reporting.views.validation import suite_report
     from armour.validation.validate import SuiteResult
 
@@ -151,8 +151,8 @@ def report(
         options = (", as_is=True" if as_is else "") + (f", probability={least}" if least is not None else "")
         with restated(lambda problem: problem._replace(file="report") if problem.file == "requiring" else problem):
             scenario = subject.requiring(least)
-        contents = contents_of(scenario, on_progress, as_is=as_is)
-        content = scenario_report(contents, f'armour.report(scenario, "{path}"{options})')
+        command = f'armour.report(scenario, "{path}"{options})'
+        content = scenario_report(scenario, command, on_progress, as_is=as_is)
     elif isinstance(subject, SuiteResult):
         content = suite_report(subject, f'armour.report(result, "{path}")')
     else:

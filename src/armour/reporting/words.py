@@ -107,13 +107,13 @@ def requirement_words(row: Requirement) -> str:
     return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
 
 
-def said_of(warnings: Iterable[str], *kinds: str) -> list[str]:
-    """Return the texts of warnings that the answer itself must show, without repeats.
+def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
+    """Return the texts of notes that the answer itself must show, without repeats.
 
     `kinds` are values of `Note.said`, by default "caveat" and "too low".
     """
     kinds = kinds or ("caveat", "too low")
-    return list(dict.fromkeys(note.text for note in warnings if isinstance(note, Note) and note.said in kinds))
+    return list(dict.fromkeys(note.text for note in notes if note.said in kinds))
 
 
 def threat_notes(scenario: Scenario | None) -> list[str]:
@@ -234,10 +234,10 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     if answer.probability_of_stopping is not None:
         error = answer.model_error
         return [SAMPLED_ALONE if error is None else model_error_words(error)]
-    unknown = f"{STOPPING.label}: unknown, {answer.reason}"
+    notes = [f"{STOPPING.label}: unknown, {answer.reason}"]
     if (at_normal := answer.probability_at_normal_incidence) is not None:
-        unknown += f"; at 0°: {chance(at_normal)}, and bare plates stop cores at least as well"
-    return [unknown, *flow_stress_notes(answer.flow_stress)]
+        notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
+    return [*notes, *flow_stress_notes(answer.flow_stress)]
 
 
 def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:

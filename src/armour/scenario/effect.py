@@ -7,24 +7,12 @@ from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.inputs import BACKING, CERAMIC, NAMES
-from armour.scenario.keys import Parts, key_name, parts_of, upwards
+from armour.scenario.inputs import BACKING, CERAMIC
+from armour.scenario.keys import Parts, is_read, key_name, parts_of
 from armour.scenario.library import SCATTER_KEYS
 from armour.scenario.scenario import Scenario
 
-# Sections and keys that every computation reads or shows.  Entries of the library have a check of their own.
-ALWAYS = ("model", "solver", "title", "library")
 NO_EFFECT = "must have an effect: {} does not depend on it"
-
-
-def is_read(key: Parts, reads: Collection[str]) -> bool:
-    """Return whether a computation depends on a key, given its `reads`.
-
-    It depends on an input of a role, such as "ceramic.flow_stress_GPa", if it reads the key that names the ceramic, and
-    on an empty table if it reads a key of that table.
-    """
-    name = NAMES.get(key[0]) or key_name(key)
-    return not {*ALWAYS, *reads}.isdisjoint(upwards(name)) or any(read.startswith(f"{name}.") for read in reads)
 
 
 def check_effect(

@@ -4,18 +4,20 @@ import json
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Any
 
 from armour.errors import InputError, Problem, mistake, refuse, suggestion
 from armour.files import parse_toml
 from armour.foreign import items, plain
-from armour.scenario.inputs import INPUTS, NAMING
+from armour.scenario.inputs import INPUTS, NAMES, NAMING
 
 Parts = tuple[str, ...]
 # More parts than any key of a scenario has; deeper tables exhaust the stack.
 MAX_PARTS = 20
+# Sections and keys that every computation reads or shows.  Entries of the library have a check of their own.
+ALWAYS = ("model", "solver", "title", "library")
 # Greatest length of a key, longer than any; the parser of TOML would take long on a key of thousands of parts.
 MAX_KEY = 5000
 LISTED = "; a list is given whole, such as threat=[{...}]"
@@ -194,6 +196,16 @@ def upwards(key: str) -> list[str]:
     """Return a key and those of the tables and lists that hold it, innermost first."""
     ends = [len(key), *(match.start() for match in re.finditer(r"[.\[]", key))]
     return [key[:end] for end in sorted(ends, reverse=True)]
+
+
+def is_read(key: Parts, reads: Collection[str]) -> bool:
+    """Return whether a computation depends on a key, given its `reads`.
+
+    It depends on an input of a role, such as "ceramic.flow_stress_GPa", if it reads the key that names the ceramic, and
+    on an empty table if it reads a key of that table.
+    """
+    name = NAMES.get(key[0]) or key_name(key)
+    return not {*ALWAYS, *reads}.isdisjoint(upwards(name)) or any(read.startswith(f"{name}.") for read in reads)
 
 
 def _header(data: Any, counts: dict[str, int]) -> KeyPath:

@@ -582,22 +582,6 @@ class Library:
         names = {name: name for name in self.names(kind)}
         return {alias: name for name in names for alias in self.entries[kind][name].aliases} | names
 
-    @checked
-    def find(self, name: str) -> list[LibraryEntry]:
-        """Return the entries called `name`, of any kind, or else the only one with it in its name or description.
-
-        If there is none, an InputError suggests the closest name.
-        """
-        name = nfc(name)
-        if namesakes := [self.entry(kind, name) for kind in KINDS if name in self.known(kind)]:
-            return namesakes
-        names = [known_name for kind in KINDS for known_name in self.known(kind)]
-        entries = [entry for kind in KINDS for entry in self.entries[kind].values()]
-        for alike in (_named(name, entries), _described(name, entries)):
-            if len(alike) == 1:
-                return alike
-        raise mistake("library", name, f'no entry of the library is called "{name}"{hint(name, entries, names)}')
-
     def extended(self, tables: LibraryTables | Mapping[str, Any], file: str, prefix: str = "") -> "Library":
         """Return the library with added entries, which may be based on existing ones or replace those of the same name.
 

@@ -385,7 +385,8 @@ class Layer(Section):
 
     def free_range(self) -> FreeRange | None:
         """Return the continuous range of thicknesses; None if there is none."""
-        return self.thickness_mm if isinstance(self.thickness_mm, FreeRange) else None
+        thickness = self.thickness_mm
+        return thickness if isinstance(thickness, FreeRange) and thickness.min < thickness.max else None
 
     def thicknesses(self) -> tuple[float, ...]:
         """Return the thicknesses, mm, or the ends of a continuous range."""

@@ -12,7 +12,7 @@ from scipy.special import ndtri, stdtrit
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Bools, Floats, ballistic_limits
-from armour.errors import joined, listed, mistake
+from armour.errors import Note, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
 from armour.evidence.tests import FALSE_ALARMS, own_evidence
@@ -162,7 +162,7 @@ class CalibrationResult(TableResult):
         in a library file.  None if the tests do not determine it, for example if none measured or shot at a ballistic
         limit, if properties of two materials or of the projectile were fitted, or if one of several inputs is not
         identified.
-    warnings : tuple of str
+    notes : tuple of Note
         A bad fit, tests out of line with the others, and ways in which tests are unlike those that the model was
         compared with before.
     own_tests : tuple of OwnTest
@@ -187,16 +187,9 @@ class CalibrationResult(TableResult):
     p_value: float | None = None
     widened_by: float = 1.0
     evidence: Mapping[str, Any] | None = None
-    warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     own_tests: tuple[OwnTest, ...] = ()
     reason: str = ""
-
-    def _words(self) -> str:
-        fitted = (
-            f"{c.name} {'not identified' if c.estimate is None else f'{c.estimate:.4g}'}" for c in self.coefficients
-        )
-        error = "" if self.mean_error_percent is None else f", mean error {self.mean_error_percent:.2f} %"
-        return f"{', '.join(fitted)}{error}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(asdict(residual) for residual in self.residuals)
@@ -306,8 +299,8 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         notes = [f"of the entry, {result.reason}"]
     deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
     how_read = tests.read.warnings if tests.read else ()
-    warnings = (*left_out, *how_read, *_in_feet(tests), *implausible, *deviating, *result.warnings, *notes)
-    return replace(result, warnings=warnings)
+    before = *left_out, *how_read, *_in_feet(tests), *implausible, *deviating
+    return replace(result, notes=(*map(Note, before), *result.notes, *map(Note, notes)))
 
 
 def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
@@ -364,11 +357,11 @@ def fit_by_law(
         confidence=CONFIDENCE,
         p_value=fit.p_value,
         widened_by=fit.widened_by,
-        warnings=(
-            *_bad_fit(fit),
-            *([ASSUMED] if too_few else []),
-            *([ONE_SIDED] if len({m.side for m in tests.measurements}) == 1 and tests.measurements[0].side else []),
-            *_outside_limits(tests),
+        notes=(
+            *map(Note, _bad_fit(fit)),
+            *([Note(ASSUMED)] if too_few else []),
+            *[Note(ONE_SIDED)] * (len({m.side for m in tests.measurements}) == 1 and bool(tests.measurements[0].side)),
+            *map(Note, _outside_limits(tests)),
             *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )

@@ -10,7 +10,7 @@ import numpy as np
 from armour.analysis.evaluate import QuantityValues
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import ballistic_limits, concatenated, variants_of
-from armour.errors import NoAnswerError, counted
+from armour.errors import NoAnswerError, Note
 from armour.evidence.tests import scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import VELOCITY
@@ -52,16 +52,13 @@ class SensitivityResult(TableResult):
         Ballistic limit and residual velocity, m/s; None for one that there is not.
     inputs : tuple of Elasticity
         In descending order of the elasticity of the ballistic limit, without its sign.
-    warnings : tuple of str
+    notes : tuple of Note
         Ways in which the scenario is unlike what the model was compared with.
     """
 
     answers: Mapping[str, float | None]
     inputs: tuple[Elasticity, ...]
-    warnings: tuple[str, ...] = ()
-
-    def _words(self) -> str:
-        return f"{counted(len(self.inputs), 'input')}, of which {self.inputs[0].input} changes the ballistic limit most"
+    notes: tuple[Note, ...] = ()
 
     def _columns(self) -> dict[str, Any]:
         return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)
@@ -116,7 +113,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(by_input, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
-        warnings=scenario_warnings(scenario, scenario.impact.velocity_m_s),
+        notes=scenario_warnings(scenario, scenario.impact.velocity_m_s),
     ).of(scenario.subject(), scenario=scenario)
 
 

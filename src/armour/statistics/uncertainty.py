@@ -95,7 +95,7 @@ class UncertaintyResult(TableResult):
         In descending order of influence.
     model_error : ModelError or None
         Model error, which is one of the inputs; None if it is not known or not included.
-    warnings : tuple of str
+    notes : tuple of Note
         Distributions that do not contain the scenario's values, and ways in which the scenario lies outside the
         validated range.
     """
@@ -112,12 +112,8 @@ class UncertaintyResult(TableResult):
     deterministic_m_s: float
     curve: ProbabilityCurve
     inputs: tuple[Influence, ...]
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     model_error: ModelError | None = None
-
-    def _words(self) -> str:
-        p = self.probability_of_perforation
-        return f"probability of perforation {p.value:.3f}, {p.low:.3f} to {p.high:.3f}, {self.samples} samples"
 
     def _columns(self) -> dict[str, Any]:
         return asdict(self.curve)
@@ -166,7 +162,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         deterministic_m_s=deterministic,
         curve=probability_curve(limits),
         inputs=tuple(_influences(scenario, section, deterministic, error)),
-        warnings=(
+        notes=(
             *_misplaced(section, scenario.inputs()),
             *([] if error or scenario.excludes_error() else [ERROR_UNKNOWN]),
             *scenario_warnings(scenario, deterministic, "ballistic_limit"),

@@ -16,7 +16,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import counted, mistake
+from armour.errors import Note, mistake
 from armour.foreign import items
 from armour.scenario.checked import Table, checked, is_number, several
 from armour.scenario.keys import describe
@@ -208,7 +208,7 @@ class FiringResult(TableResult):
         Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
     model_interval_m_s : tuple of float or None
         Interval of the armour's limit with a probability of 95 %, m/s; None if the model error is not known.
-    warnings : tuple of str
+    notes : tuple of Note
         Shots far from the others or from the model's limit, or contradicting the prior, and ways in which the scenario
         is unlike what the model was compared with.
     prior, posterior : FiringEstimate or None
@@ -257,7 +257,7 @@ class FiringResult(TableResult):
     confidence: float
     model_ballistic_limit_m_s: float | None
     model_interval_m_s: tuple[float, float] | None = None
-    warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     prior: FiringEstimate | None = None
     posterior: FiringEstimate | None = None
     prior_share: float | None = None
@@ -311,14 +311,6 @@ class FiringResult(TableResult):
             {"velocity_m_s": velocity, "probability": curve.probability(velocity), "probability_interval": ends}
             for velocity, *ends in zip(velocities, low.tolist(), high.tolist(), strict=True)
         ]
-
-    def _words(self) -> str:
-        if self.posterior is not None:
-            return f"V50 {self.posterior.v50_m_s:.1f} m/s by the posterior, {counted(self.shots, 'shot')}"
-        fit = self.recommended or self.fits[0]
-        if self.extrapolated:
-            return f"V50 not bounded by {counted(self.shots, 'shot')}"
-        return f"V50 {fit.v50_m_s:.1f} m/s by {fit.method}, {counted(self.shots, 'shot')}"
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
@@ -519,10 +511,10 @@ def v50(
         confidence=confidence,
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
-        warnings=(
-            *(shots.read.warnings if shots.read else ()),
-            *_far_from_others(shots),
-            *(() if model is None else (*_far_away(shots, model), *contradictions, *model.warnings)),
+        notes=(
+            *map(Note, shots.read.warnings if shots.read else ()),
+            *map(Note, _far_from_others(shots)),
+            *(() if model is None else (*map(Note, (*_far_away(shots, model), *contradictions)), *model.notes)),
         ),
         prior=prior_estimate,
         posterior=posterior_estimate,

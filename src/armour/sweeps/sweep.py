@@ -25,14 +25,14 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.engine.changes import changed_names
-from armour.errors import InputError, choices, counted, duration, mistake
+from armour.errors import InputError, Note, choices, counted, duration, mistake
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.scenario.schema import FASTEST_M_S
 from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
-from armour.sweeps.store import RESUME, Chunk, Store, csv_of, read_table
+from armour.sweeps.store import RESUME, Chunk, Store
+from armour.sweeps.tables import csv_of, read_table
 
 # Greatest number of rows in memory; more rows need a file.
 MAX_ROWS = 10_000_000
@@ -46,10 +46,8 @@ SAMPLES = (4, 4, 32, 256, 2048)
 LONG_S = 3600.0
 MANY_ROWS = 10**8
 
-# Values that rows read from a file may have: at most the greatest by unit, but for rounding, and the outcomes.
-GREATEST = {"m/s": FASTEST_M_S, "%": 100.0, "": 1.0}
-GRID_ROUNDING = 1e-9
-OUTCOME_VALUES = ("perforated", "stopped")
+# Outcomes in a table.
+OUTCOMES = ("perforated", "stopped")
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
 LIBRARIES = ("numpy",)
@@ -92,7 +90,7 @@ class SweepResult(TableResult):
     rows : int
     output : Path or None
         File of the table; None if it is kept in memory.
-    warnings : tuple of str
+    notes : tuple of Note
         Rows unlike what the model was compared with, quantities without a value, unused threats, and omitted ends
         of ranges.
     columns : dict of str to array
@@ -104,7 +102,7 @@ class SweepResult(TableResult):
     quantities: tuple[str, ...]
     rows: int
     output: Path | None
-    warnings: tuple[str, ...]
+    notes: tuple[Note, ...]
     _computed: Mapping[str, Any]
 
     @cached_property
@@ -135,10 +133,6 @@ class SweepResult(TableResult):
             name: [None if value != value else value for value in values.tolist()]
             for name, values in self.columns.items()
         }
-
-    def _words(self) -> str:
-        where = "" if self.output is None else f", in {self.output}"
-        return f"{', '.join(self.quantities)} over {' and '.join(self.keys)}, {counted(self.rows, 'row')}{where}"
 
     def _columns(self) -> Mapping[str, Any]:
         return self.columns
@@ -221,7 +215,7 @@ def sweep(
             on_chunk=lambda rows, _stored: on_progress(rows, source.count),
             tell=lambda line: warnings.append(line.removeprefix("warning: ")),
         )
-    result = SweepResult(scenario, source.keys, names, source.count, output, tuple(warnings), columns)
+    result = SweepResult(scenario, source.keys, names, source.count, output, tuple(map(Note, warnings)), columns)
     return result.of(subject_of(scenario, source, names), scenario=scenario)
 
 
@@ -254,8 +248,8 @@ def write_sweep(
         tell(f"warning: {line}")
     threads = threads if workers is None else 1
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
-    fits = partial(is_part_of, source, quantities)
-    with Store(output, job_of(scenario, source, quantities), tell, replace=replace, fits=fits) as store:
+    job, fits = job_of(scenario, source, quantities), partial(is_part_of, source)
+    with Store(output, job, types_of(source, quantities), tell, replace=replace, fits=fits) as store:
         if size is None:
             try:
                 effort = effort_of(scenario, source, quantities, output, threads, workers)
@@ -304,27 +298,19 @@ def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads:
     return Chunk({**rows, **results}, warnings)
 
 
-def is_part_of(source: Grid | SweepCases, quantities: Sequence[str], start: int, chunk: Chunk) -> bool:
-    """Return whether a chunk from a file has the rows of a source from `start` on, and possible quantities."""
-    names = list(dict.fromkeys([*source.keys, *quantities]))
-    if [*chunk.columns] != names or chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
+def types_of(source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, Any]:
+    """Return the types of the columns in numpy, by name: of the keys of a source, and of quantities."""
+    types = {key: values.dtype for key, values in source.rows(np.arange(1)).items()}
+    return types | {name: np.array(OUTCOMES if name == "outcome" else 0.0).dtype for name in quantities}
+
+
+def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
+    """Return whether a chunk from a file has the rows of a source from `start` on, and outcomes that are ones."""
+    if chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
         return False
     rows = source.rows(np.arange(start, start + chunk.rows))
-    return all(
-        np.array_equal(rows[name], values) if name in rows else is_possible(name, values)
-        for name, values in chunk.columns.items()
-    )
-
-
-def is_possible(quantity: str, values: NDArray[Any]) -> bool:
-    """Return whether all values of a column, (n,), are possible for a quantity."""
-    if quantity == "outcome":
-        return bool(np.isin(values, OUTCOME_VALUES).all())
-    if values.dtype.kind != "f":
-        return False
-    known = values[~np.isnan(values)]
-    greatest = GREATEST.get(QUANTITIES[quantity].unit, np.finfo(np.float64).max)
-    return bool(((known >= -GRID_ROUNDING) & (known <= greatest + GRID_ROUNDING)).all())
+    is_same = all(np.array_equal(values, chunk.columns[key]) for key, values in rows.items())
+    return is_same and bool(np.isin(chunk.columns.get("outcome", ()), OUTCOMES).all())
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
@@ -363,7 +349,7 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
     )
     return [
         *(f"{name}: changes the back plate, although it exists (design.existing)" for name in changing),
-        *(scenario.unused_threats() if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
+        *(map(str, scenario.unused_threats()) if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
 

@@ -11,7 +11,7 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import ImpactResult
 from armour.analysis.results import OnProgress, TableResult, ignore_progress
 from armour.analysis.variants import Floats
-from armour.errors import refuse
+from armour.errors import Note, refuse
 from armour.scenario.checked import checked
 from armour.scenario.inputs import ROLES
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -130,12 +130,9 @@ class Comparison(TableResult):
         }
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings on the ballistic limit by the model."""
-        return self.limit.warnings
-
-    def _words(self) -> str:
-        return f"ballistic limit {self.limit.ballistic_limit_m_s:.1f} m/s"
+    def notes(self) -> tuple[Note, ...]:
+        """Notes on the ballistic limit by the model."""
+        return self.limit.notes
 
     def _columns(self) -> dict[str, Any]:
         names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"

@@ -8,7 +8,7 @@ from armour.analysis.evaluate import QuantityValues, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.catalogue import catalogue_of
-from armour.design.optimise import BestDesign, optimise
+from armour.design.optimise import BestDesign, armour_in_words, optimise
 from armour.errors import NoAnswerError, mistake
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
@@ -30,7 +30,8 @@ class Subject:
         """The best design of the scenario; raise NoAnswerError, with the reason, if there is none."""
         result = optimise(self.scenario)
         if result.best is None:
-            raise NoAnswerError(result.explanation)
+            nearest, verdict = armour_in_words(result.shown), result.shown.check.verdict
+            raise NoAnswerError(f"no design is known to pass; {nearest}, the nearest: {verdict}")
         return result.best
 
     @cached_property

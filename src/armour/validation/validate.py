@@ -184,9 +184,6 @@ class SuiteResult(TableResult):
             "tables": [vars(summary) for summary in self.summaries],
         }
 
-    def _words(self) -> str:
-        return f"{self.count('within')} of {self.count('within', *FAILED)} within their bands"
-
     def _columns(self) -> dict[str, Any]:
         return by_column(check.to_dict() for check in self.checks)
 

@@ -1,6 +1,6 @@
 import warnings
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from itertools import combinations
 from xml.etree import ElementTree
 
@@ -14,7 +14,6 @@ from matplotlib.transforms import Bbox
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError
 from armour.reporting.by_result import drawing_of
-from armour.reporting.pictures.design import draw_map_of_design
 from armour.reporting.pictures.drawing import (
     BLUE,
     METADATA,
@@ -28,7 +27,6 @@ from armour.reporting.pictures.drawing import (
     contours,
     drawn,
     legible,
-    name_point,
     points,
     ranges,
     rows,
@@ -178,15 +176,6 @@ def test_points_beyond_fixed_limits_are_left_out():
     assert line.get_xdata()[1] != line.get_xdata()[1]  # type: ignore[index]
 
 
-def test_the_name_of_a_point_at_the_lower_edge_is_above_it():
-    axes = Sheet().panels("T", PANEL).axes[0]
-    axes.set_ylim(0.0, 1.0)
-    for y in (0.0, 0.9):
-        name_point(axes, 0.5, y, str(y), above=False)
-    low, high = axes.texts
-    assert (low.get_verticalalignment(), high.get_verticalalignment()) == ("bottom", "top")
-
-
 def test_names_are_rows_with_the_first_on_top():
     [axes] = drawn(named_rows, Sheet()).axes
     labels = [label.get_text() for label in axes.get_yticklabels()]
@@ -249,9 +238,9 @@ def test_contours_of_two_quantities_are_named_apart():
 @pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
 @pytest.mark.parametrize("width", [WIDTH, 3.45])
 def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float):
-    [axes] = drawn(partial(draw_map_of_design, optimum(name)), Sheet(width), title="").axes
+    axes = drawn(drawing_of(optimum(name)), Sheet(width), title="").axes[0]
     labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
-    assert len(labels) > 6
+    assert labels
     assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))
 
 

@@ -23,8 +23,7 @@ from armour.planning.firing import plan_shots
 from armour.planning.procedures import OperatingPoint
 from armour.reporting.by_result import draw, drawing_of
 from armour.reporting.pictures import analysis, design, statistics, sweeps, validation
-from armour.reporting.pictures.design import draw_front_of_design, draw_map_of_design
-from armour.reporting.pictures.drawing import BLUE, INK, VERMILION, Picture, Points, Sheet, drawn
+from armour.reporting.pictures.drawing import BLUE, Picture, Points, Sheet, drawn
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
@@ -43,6 +42,13 @@ pytestmark = pytest.mark.usefixtures("not_laid_out")
 def picture_of(result: Any, drawing: Callable[[Any, Sheet], Picture] = draw) -> Picture:
     """The picture of a result, with its legends."""
     return drawn(drawing_of(result) if drawing is draw else partial(drawing, result), Sheet())
+
+
+def front_of(result: DesignResult) -> tuple[Axes, str]:
+    """The panel of a Pareto front, and its note."""
+    [axes], panel = Sheet().panels("", 3.0).axes, design._front_panel(result)
+    panel.draw(axes)
+    return axes, panel.note
 
 
 def marks(axes: Axes) -> dict[str, Points]:
@@ -90,7 +96,7 @@ def words_in(axes: Axes) -> list[str]:
 def test_an_impact():
     found = impact_result().of(scenario=scenario())
     picture = picture_of(found)
-    assert picture.title == f"Perforated: residual velocity {found.residual_velocity_m_s:.0f} m/s"
+    assert picture.title == f"Perforated, residual velocity {found.residual_velocity_m_s:.0f} m/s"
     scene, velocities, lengths, depths = picture.axes
     assert [axes.get_ylabel() for axes in picture.axes[1:]] == [
         "velocity, m/s",
@@ -140,7 +146,7 @@ def test_the_end_of_dwell_is_named_as_that():
 def test_a_long_tail_is_left_out():
     slow = simulate(scenario(ceramic_mm=12.0, velocity=300.0), history=True)
     picture = picture_of(slow)
-    assert picture.title == f"Stopped at a depth of {slow.penetration_depth_mm:.3g} mm"
+    assert picture.title == "Stopped"
     shown = picture.axes[-1].get_xlim()[1]
     assert shown < 0.3 * slow.duration_us
     assert picture.note.startswith(f"Drawn up to {shown:.3g} µs of {slow.duration_us:.3g} µs.")
@@ -164,57 +170,65 @@ def designs(confidence: float | None = None, ceramic: str | None = "AD85") -> De
     )
 
 
-def frontiers(axes: Axes) -> list[ContourSet]:
-    """Lines on a map where a quantity is 0."""
-    sets = (lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled)
-    return [lines for lines in sets if list(lines.levels) == [0.0]]
-
-
-def test_a_map_has_the_frontiers_and_the_lightest_designs():
+def test_a_map_has_the_line_of_what_is_required_and_the_best_design():
     found = designs(0.9)
-    [axes] = picture_of(found, draw_map_of_design).axes
+    axes = picture_of(found).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ceramic thickness, mm")
-    assert [to_hex(np.asarray(lines.get_edgecolor())[0]) for lines in frontiers(axes)] == [VERMILION, BLUE]
-    assert labels(axes)[:2] == ["perforated more often than not", "stopped in 90 % of cases or more"]
-    assert {"thicknesses tested", "thicknesses on offer"} <= set(labels(axes))
-    even, best = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
-    assert even.get_markerfacecolor() == "none"
+    lines = [lines for lines in axes.collections if isinstance(lines, ContourSet) and not lines.filled]
+    [line] = [each for each in lines if list(each.levels) == [0.0]]
+    assert to_hex(np.asarray(line.get_edgecolor())[0]) == BLUE
     thicknesses = best_of(found).backing_thickness_mm, best_of(found).ceramic_thickness_mm
+    assert labels(axes)[0] == "stopped in 90 % of cases or more"
+    assert labels(axes)[-2] == "equal areal density, kg/m²"
+    assert labels(axes)[-1].startswith(f"best: {thicknesses[1]:g} on {thicknesses[0]:g} mm, areal density ")
+    [best] = [line for line in axes.lines if isinstance(line, Points)]
     assert (x_of(best)[0], y_of(best)[0]) == thicknesses
-    assert f"{thicknesses[1]:g} on {thicknesses[0]:g} mm\n" in "".join(words_in(axes))
 
 
-def test_a_frontier_is_where_the_probability_is_that_of_its_line():
+def test_the_line_is_where_the_probability_is_the_required_one():
     """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
     found = designs(0.9)
     _, [pair_map] = design._maps(found)
-    [values] = [each[0] for each in pair_map.frontiers() if each[2] == "stopped in 90 % of cases or more"]
+    values, _ = pair_map.required()
     for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
         by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in values]
         assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
 
 
-def test_without_a_confidence_the_map_shows_the_usual_one():
-    [axes] = picture_of(designs(), draw_map_of_design).axes
-    assert "stopped in 95 % of cases or more" in labels(axes)
-    [best] = [line for line in axes.lines if isinstance(line, Points) and line.get_markersize() == 9.0]
-    assert best.get_color() == INK
-    assert best.words[0].endswith(" stopped\noutside the tests")
+def test_without_a_confidence_the_line_is_that_of_the_limit():
+    found = designs()
+    _, [pair_map] = design._maps(found)
+    values, words = pair_map.required()
+    assert words == "ballistic limit by the model ≥ velocity"
+    np.testing.assert_array_equal(values, pair_map.grid.limits_m_s[..., 0] - 800.0)
+
+
+def test_the_line_of_several_requirements_is_where_all_are_met():
+    _, [pair_map] = design._maps(optimise(shipped_scenario("catalogue").replaced({"design.confidence": 0.9})))
+    values, words = pair_map.required()
+    assert words == "meets the requirements"
+    margins, known = pair_map.catalogue.margins_m_s, ~np.isnan(values)
+    by_model = (pair_map.grid.limits_m_s - margins)[..., margins > 0.0] - pair_map.catalogue.velocities_m_s[
+        margins > 0.0
+    ]
+    surely = pair_map.grid.stopped_with(0.9) - pair_map.catalogue.velocities_m_s
+    np.testing.assert_array_equal(values[known], np.concatenate([by_model, surely], axis=-1).min(axis=-1)[known])
 
 
 def test_designs_of_bare_plates_are_drawn_over_their_thickness():
     [axes] = picture_of(designs(0.9, None)).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ballistic limit, m/s")
     assert [item for item in axes.collections if isinstance(item, PolyCollection)]
-    stop, others = [line for line in axes.lines if isinstance(line, Points)]
-    assert stop.get_markerfacecolor() != others.get_markerfacecolor() == "none"
+    [best] = [line for line in axes.lines if isinstance(line, Points)]
+    assert x_of(best)[0] == best_of(designs(0.9, None)).backing_thickness_mm
+    assert y_of(best)[0] == pytest.approx(best_of(designs(0.9, None)).ballistic_limit_m_s, abs=0.5)
 
 
-def test_designs_of_which_no_probability_is_known_have_the_line_of_the_limit():
-    picture = picture_of(optimise(scenario(ceramic="SiC", optimise=OFFERED)), draw_map_of_design)
+def test_designs_of_which_no_probability_is_known_have_no_line_of_one():
+    case = scenario(ceramic="SiC", optimise=OFFERED, design={"confidence": 0.9})
+    picture = picture_of(optimise(case))
     assert picture.note == "No probability is known for these designs."
-    assert "ballistic limit by the model = velocity" in labels(*picture.axes)
-    assert not [lines for lines in picture.axes[0].collections if isinstance(lines, ContourSet) and lines.filled]
+    assert labels(*picture.axes)[0] == "equal areal density, kg/m²"
 
 
 def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front():
@@ -231,7 +245,7 @@ def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front()
 
 
 def test_designs_of_a_front_are_not_joined():
-    [axes] = picture_of(design_result(threats=(THREAT, OTHER), pareto=True), draw_front_of_design).axes
+    axes = front_of(design_result(threats=(THREAT, OTHER), pareto=True))[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("areal density, kg/m²", "cost per m²")
     assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
     assert not curves(axes)
@@ -486,7 +500,7 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     front = tuple(replace(each, margin_m_s=5.0) for each in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
     note = "Designs that others beat in both criteria drawn are better in margin by the model."
-    assert note in picture_of(found, draw_front_of_design).note
+    assert note in front_of(found)[1]
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

@@ -14,10 +14,10 @@ from armour.analysis.impact import History, ImpactResult
 from armour.core import equations
 from armour.core.state import Parameters
 from armour.errors import mistake
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import interval, wrapped
-from armour.reporting.views.analysis import STAGES, caveat_lines, verdict_words
+from armour.reporting.table import wrapped
+from armour.reporting.views.analysis import STAGES
 from armour.reporting.words import chance
 from armour.units import MM
 
@@ -54,16 +54,11 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     # Below 5 % of the impact velocity the projectile hardly moves; show 1.5 times the time until then.
     slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
-    words = f"stopped at a depth of {result.penetration_depth_mm:.3g} mm"
-    if result.outcome == "perforated":
-        words = f"perforated: residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    words = verdict_words(result, words)
-    title = words[:1].upper() + words[1:]
     note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
     # A result that is made by hand has no scenario, and so no armour to draw.
     scene = _Scene(result, history) if "scenario" in result.question else None
     scenes = [] if scene is None else [scene.high_inches(sheet.width)]
-    picture = sheet.panels(title, *scenes, *(height for _, height, _ in PANELS), note=note)
+    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=note)
     over_time = picture.axes[len(scenes) :]
     seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
@@ -218,10 +213,7 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     impact = [point.impact_velocity_m_s for point in curve]
     reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
     residual_alone = error is None or ends is None
-    title = f"Ballistic limit {limit:.0f} m/s"
-    title += "" if residual_alone else f", 95 % interval {interval(ends, '.0f')} m/s"
-    title = "; ".join([title, *map(str, caveat_lines(result))])
-    picture = sheet.panels(title, *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
+    picture = sheet.panels(headline(result), *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
     if error is not None and ends is not None:
         stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
         probability = float(error.probability_of_stopping(limit, threat))

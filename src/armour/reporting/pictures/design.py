@@ -1,9 +1,8 @@
 """Draw design searches and checks."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,20 +10,19 @@ from matplotlib.axes import Axes
 
 from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
 from armour.design.check import CheckResult
-from armour.design.map import DesignMap, design_map, lightest, limits_over_sources, thicknesses_tested, with_known_edges
+from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.evidence.tests import outside_tests
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
-from armour.reporting.words import chance, said_of
+from armour.reporting.words import chance
 from armour.scenario.schema import OBJECTIVES
 
-# Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis;
-# largest number of designs on offer that are drawn as dots.
-MAX_PAIRS_DRAWN, MAX_LINES, MAP_NODES, MAX_DOTS = 12, 6, 25, 250
-# Probability of stopping whose frontier a map shows if the scenario requires no confidence.
+# Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis.
+MAX_PAIRS_DRAWN, MAX_LINES, MAP_NODES = 12, 6, 25
+# Probability of stopping that a band begins with; it ends with that of perforation.
 USUAL_CHANCE = 0.95
 # Opacity of a tinted region.
 TINT = 0.14
@@ -47,38 +45,14 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
 
     If only one thickness varies, draw the ballistic limits over it instead.
     """
-    pairs = [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
-    front = [_front_panel(result)] if result.pareto else []
-    return draw_map_of_design(result, sheet, [*pairs, *front])
-
-
-def draw_map_of_design(result: DesignResult, sheet: drawing.Sheet, below: Sequence[_Panel] = ()) -> drawing.Picture:
-    """Draw the map of the best pair of materials, with more panels below it.
-
-    If only one thickness varies, draw the ballistic limits over it instead, without these panels.
-    """
     layer, maps = _maps(result)
     if layer:
         return _draw_lines(result, layer, maps, sheet)
-    panel = _Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())
-    return _draw_panels(_title(result), [panel, *below], sheet)
-
-
-def _title(result: DesignResult) -> str:
-    """Return the best design in a line, with the caveats of the model."""
-    return "; ".join([view.design_title(result), *said_of(result.warnings)])
-
-
-def draw_front_of_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the Pareto front alone."""
-    panel = _front_panel(result)
-    return _draw_panels(panel.title, [panel._replace(title="")], sheet)
-
-
-def _draw_panels(answer: str, panels: Sequence[_Panel], sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw panels one below the other, under the answer as their title."""
+    panels = [_Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())]
+    panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
+    panels += [_front_panel(result)] if result.pareto else []
     notes = " ".join(filter(None, (panel.note for panel in panels)))
-    picture = sheet.panels(answer, *(panel.height for panel in panels), note=notes)
+    picture = sheet.panels(headline(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
         axes.set_title(panel.title)
@@ -92,10 +66,9 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     """
     catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-    design = result.reported
-    best = 0 if design is None else names.index((design.ceramic, design.backing))
+    best = names.index((result.shown.ceramic, result.shown.backing))
     confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple({1.0 - USUAL_CHANCE, 0.5, USUAL_CHANCE, *filter(None, confidences)})
+    probabilities = tuple({1.0 - USUAL_CHANCE, USUAL_CHANCE, *filter(None, confidences)})
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
@@ -112,29 +85,30 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
 
 
 def _nodes(offered: Any) -> Any:
-    """Return evenly spaced thicknesses over the range on offer, mm, with all those on offer if they are few."""
-    even = np.linspace(offered[0], offered[-1], MAP_NODES) if len(offered) > 1 else offered
-    return np.union1d(even, offered) if len(offered) <= MAP_NODES else even
+    """Return evenly spaced thicknesses over the range on offer, mm."""
+    return np.linspace(offered[0], offered[-1], MAP_NODES) if len(offered) > 1 else offered
 
 
 def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the ballistic limits of pairs of materials over the thickness of one layer, with a panel for each threat."""
-    catalogue = maps[0].catalogue
-    stop = " as required" if any(maps[0].confidences) else " by the model"
-    bands = []
+    bands, notes = [], []
     if not all(np.isnan(pair_map.grid.stopped_m_s).all() for pair_map in maps):
         bands.append("velocities that are stopped with 95 to 5 %")
     if any(pair_map.over_sources is not None for pair_map in maps):
-        stop += ", untested ones even with the least flow stress of their sources"
-        bands.append("the limits with these flow stresses")
-    note = f"Filled dots are designs on offer that stop the threat{stop}."
-    note += f" Bands show {' or '.join(bands)}." if bands else ""
+        bands.append("the limits with the flow stresses that sources give for untested ceramics")
+    if bands:
+        notes.append(f"Bands show {' or '.join(bands)}.")
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
-        note += " Squares and dashed lines are outside the tests."
-    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
-    for place, (axes, threat) in enumerate(zip(picture.axes, catalogue.threats, strict=True)):
+        notes.append("Dashed lines are outside the tests.")
+    note = " ".join(notes)
+    picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    for place, (axes, threat) in enumerate(zip(picture.axes, maps[0].catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
+        if (best := result.shown) is not None:
+            thickness, grid = getattr(best, f"{layer}_thickness_mm"), maps[0].grid
+            limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), grid.limits_m_s[..., place].ravel())
+            maps[0].draw_best(axes, best, thickness, limit)
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
         axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
     picture.axes[-1].set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
@@ -153,77 +127,49 @@ class _Map:
     grid: DesignMap
     confidences: tuple[float | None, ...]
 
-    @cached_property
-    def governing(self) -> int:
-        """Index of the governing threat of the best or nearest design; 0 without either."""
-        return self.result.threats.index(self.result.shown.governing) if self.result.shown else 0
+    def required(self) -> tuple[Any, str]:
+        """Return how far each design exceeds what is required, m/s, (ceramics, back plates), and what is, in words.
 
-    def surely_m_s(self, confidences: Sequence[float]) -> Any:
-        """Return how far the stopped velocity exceeds that of the threat, m/s, (ceramics, back plates).
-
-        A velocity is stopped with the confidence given for each threat; the threat with the least excess counts.
+        The threat with the least excess counts; NaN where the probability of stopping it is not known.
         """
-        stopped = [self.grid.stopped_with(level)[..., threat] for threat, level in enumerate(confidences)]
-        return (np.stack(stopped, axis=-1) - self.catalogue.velocities_m_s).min(axis=-1)
-
-    def frontiers(self) -> list[tuple[Any, Any, str, dict[str, Any]]]:
-        """Return the frontiers to draw, each with values, tinted range, label and line style.
-
-        The values, (ceramics, back plates), are 0 on the frontier; the map is tinted where they lie in the range.  The
-        frontiers are those of a probability of stopping of 50 %, of what is required and, if no probability is
-        required, of the ballistic limit by the model.
-        """
-        largest = max((level for level in self.confidences if level is not None), default=USUAL_CHANCE)
-        half = self.surely_m_s([0.5] * len(self.confidences))
-        required = self.surely_m_s([largest if level is None else level for level in self.confidences])
-        margins_m_s = self.catalogue.margins_m_s
-        above_m_s = self.grid.limits_m_s - self.catalogue.velocities_m_s - margins_m_s
-        label = f"stopped in {percent(largest)} of cases or more"
-        margin = " + margin" * bool(view.required_margins(self.catalogue.scenario))
-        if any(self.confidences):
-            limited = (margins_m_s > 0.0) | [level is None for level in self.confidences]
-            required = np.minimum(required, np.where(limited, above_m_s, np.inf).min(axis=-1))
-            if len(set(self.confidences)) > 1 or margin:
-                label = "meets the requirements"
-        often, by_model = "perforated more often than not", f"ballistic limit by the model = velocity{margin}"
-        frontiers: list[Any] = [
-            (half, (-np.inf, 0.0), often, {"color": drawing.VERMILION, "linestyle": "--"}),
-            (required, (0.0, np.inf), label, {"color": drawing.BLUE, "linestyle": "-"}),
-            (above_m_s.min(axis=-1), None, by_model, {"color": drawing.INK, "linestyle": "-"}),
-        ]
-        shown = frontiers[: 2 if any(self.confidences) else 3]
-        return [frontier for frontier in shown if not np.isnan(frontier[0]).all()]
+        margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
+        excess_m_s = self.grid.limits_m_s - velocities_m_s - margins_m_s
+        for threat, confidence in enumerate(self.confidences):
+            if confidence is not None:
+                stopped_m_s = self.grid.stopped_with(confidence)[..., threat] - velocities_m_s[threat]
+                by_model_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf
+                excess_m_s[..., threat] = np.minimum(stopped_m_s, by_model_m_s)
+        margin, confidence = bool(margins_m_s.any()), self.confidences[0]
+        if not any(self.confidences):
+            words = f"ballistic limit by the model ≥ velocity{' + margin' * margin}"
+        elif confidence is None or margin or len({*self.confidences}) > 1:
+            words = "meets the requirements"
+        else:
+            words = f"stopped in {percent(confidence)} of cases or more"
+        return excess_m_s.min(axis=-1), words
 
     def draw(self, axes: Axes) -> None:
-        """Draw the map."""
+        """Draw the line of what is required, lines of the objective, and the best design."""
         x, y = self.grid.backing_mm, self.grid.ceramic_mm
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
-        for values, tinted, label, look in self.frontiers():
-            if tinted:
-                _tint(axes, x, y, values, tinted, label, **look)
-            drawing.contours(axes, x, y, values, [0.0], label="" if tinted else label, linewidth=1.9, **look)
-        unknown = np.isnan(self.grid.stopped_m_s).any(axis=(-2, -1))
+        excess_m_s, words = self.required()
+        unknown = np.isnan(excess_m_s)
         if not unknown.all():
-            _tint(axes, x, y, unknown, (1e-3, np.inf), "probability unknown: too unlike tests", color=drawing.SOFT)
-        column = view.OBJECTIVE_WORDS[self.result.minimised]
+            _tint(axes, x, y, excess_m_s, words, drawing.BLUE)
+            drawing.contours(axes, x, y, excess_m_s, [0.0], linewidth=1.9, color=drawing.BLUE)
+            _tint(axes, x, y, np.where(unknown, 1.0, -1.0), "probability unknown: too unlike tests", drawing.SOFT)
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
-        limits = self.grid.limits_m_s[..., self.governing]
-        against = f" against {self.result.threats[self.governing]}" if len(self.result.threats) > 1 else ""
-        dotted: dict[str, Any] = {"linestyle": ":", "color": drawing.SOFT}
-        drawing.contours(axes, x, y, objective, 5, at=-0.55, label=f"equal {column.heading}", **dotted)
-        label = f"equal ballistic limit{against}, m/s"
-        drawing.contours(axes, x, y, limits, 9, at=0.55, label=label, color=drawing.SOFT)
-        self._draw_tested(axes)
-        self._draw_offered(axes)
-        for design, look in self._marked():
-            value = getattr(design, self.result.minimised)
-            place, name = (design.backing_thickness_mm, design.ceramic_thickness_mm), look.pop("name")
-            if name:
-                line: Any = {"linestyle": ":", "color": look["color"]}
-                drawing.contours(axes, x, y, objective, [value], **line)
-                drawing.name_point(axes, *place, name, above=look.get("filled", True))
-            drawing.points(axes, place[:1], place[1:], [name or look["label"]], **look)
+        label = f"equal {view.OBJECTIVE_WORDS[self.result.minimised].heading}"
+        drawing.contours(axes, x, y, objective, 5, at=-0.55, label=label, linestyle=":", color=drawing.SOFT)
+        if (best := self.result.shown) is not None:
+            self.draw_best(axes, best, best.backing_thickness_mm, best.ceramic_thickness_mm)
+
+    def draw_best(self, axes: Axes, best: Design, x: float, y: float) -> None:
+        """Draw the best or nearest design at a place of the panel."""
+        look: Any = {"markersize": 9.0, "color": drawing.VERMILION if self.result.reason else drawing.INK}
+        text = _design_text(best, self.result.minimised)
+        drawing.points(axes, [x], [y], [text], label=f"{'nearest' if self.result.reason else 'best'}: {text}", **look)
 
     @cached_property
     def over_sources(self) -> Any:
@@ -248,7 +194,7 @@ class _Map:
     def draw_line(self, axes: Axes, layer: str, threat: int, colour: str) -> None:
         """Draw the ballistic limits against a threat over the thickness of a layer.
 
-        Bands show the limits over the sources of the flow stress, and the model error.  Dots are the designs on offer.
+        Bands show the limits over the sources of the flow stress, and the model error.
         """
         x = getattr(self.grid, f"{layer}_mm")
         limits = self.grid.limits_m_s[..., threat].ravel()
@@ -260,23 +206,8 @@ class _Map:
             axes.fill_between(
                 x, low_m_s[..., threat].ravel(), high_m_s[..., threat].ravel(), color=colour, **drawing.BAND
             )
-        is_outside = self.is_outside(threat)
-        drawing.curve(axes, x, limits, is_outside, color=colour, label=drawing.legible(self.name(layer)))
-        offer = getattr(self.catalogue.offers[self.grid.pair], layer)
-        if offer.free_range():
-            return
-        offered = np.searchsorted(x, offer.thicknesses())
-        least = limits if by_source is None else by_source[0]
-        of_threat = self.catalogue.threats[threat]
-        stops = least >= of_threat.required_m_s
-        if (confidence := self.confidences[threat]) is not None:
-            stopped_m_s = self.grid.stopped_with(confidence)[..., threat].ravel()
-            decided = ~np.isnan(stopped_m_s) & (of_threat.margin_m_s == 0.0)
-            stops = (stops | decided) & (np.isnan(stopped_m_s) | (stopped_m_s >= of_threat.velocity_m_s))
-        for filled, marker in product((True, False), (INSIDE_MARK, OUTSIDE_MARK)):
-            places = [p for p in offered.tolist() if stops[p] == filled and is_outside[p] == (marker == OUTSIDE_MARK)]
-            words = [f"{x[place]:g} mm: limit by the model {limits[place]:.0f} m/s" for place in places]
-            drawing.points(axes, x[places], limits[places], words, filled=filled, color=colour, marker=marker)
+        label = drawing.legible(self.name(layer))
+        drawing.curve(axes, x, limits, self.is_outside(threat), color=colour, label=label)
 
     def is_outside(self, threat: int) -> Any:
         """Return whether each design of the map lies outside the tests against a threat, (designs,)."""
@@ -284,68 +215,22 @@ class _Map:
         rows = rows.at(np.arange(threat, len(rows.velocities), len(self.catalogue.threats)))
         return np.array([bool(outside) for outside in outside_tests(rows.armours, rows.velocities)])
 
-    def _marked(self) -> Iterator[tuple[Design, dict[str, Any]]]:
-        """Yield the designs to mark, with their style: the best at 50 %, and the best or nearest."""
-        large = {"markersize": 9.0}
-        if any(self.confidences) and not np.isnan(self.grid.stopped_m_s).all():
-            half = lightest(self.catalogue, self.grid.pair, 0.5)
-            if half is not None:
-                name = self._named(half, "50 % or more")
-                yield half, {**large, "name": name, "filled": False, "color": drawing.VERMILION}
-        if (best := self.result.shown) is not None:
-            probability = view.least_probability(best)
-            name = self._named(best, "probability unknown" if probability is None else f"{chance(probability)} stopped")
-            name += "\noutside the tests" if best.outside_tests else ""
-            colour = drawing.VERMILION if self.result.reason else drawing.BLUE if any(self.confidences) else drawing.INK
-            yield best, {**large, "name": name, "color": colour}
-
-    def _named(self, design: Design, probability_text: str) -> str:
-        """Return the name of a design: its thicknesses, its objective, and the text on its probability."""
-        thicknesses = f"{design.ceramic_thickness_mm:.4g} on " if design.ceramic else ""
-        objective = view.OBJECTIVE_WORDS[self.result.minimised].with_unit(getattr(design, self.result.minimised))
-        return f"{thicknesses}{design.backing_thickness_mm:.4g} mm\n{objective}, {probability_text}"
-
-    def _draw_offered(self, axes: Axes) -> None:
-        """Draw a dot for each pair of thicknesses on offer, if there are few."""
-        layers = self.catalogue.offers[self.grid.pair][:2]
-        offered = list(product(*(layer.thicknesses() for layer in layers)))
-        if len(offered) <= MAX_DOTS and not any(layer.free_range() for layer in layers):
-            words = [f"{ceramic:g} on {backing:g} mm" for ceramic, backing in offered]
-            y, x = zip(*offered, strict=True)
-            look: Any = {"markersize": 2.5, "color": drawing.SOFT, "label": "thicknesses on offer"}
-            drawing.points(axes, x, y, words, filled=False, **look)
-
-    def _draw_tested(self, axes: Axes) -> None:
-        """Outline the range of thicknesses that were tested."""
-        tested = thicknesses_tested(self.catalogue, self.grid.pair, self.governing)
-        if len(tested) == 2:
-            (left, right), (low, high) = tested["backing"], tested["ceramic"]
-            x, y = [left, right, right, left, left], [low, low, high, high, low]
-            axes.plot(x, y, linestyle="-.", linewidth=1.0, color=drawing.GREEN, label="thicknesses tested")
-
     def note(self) -> str:
-        """Return a note on what the probabilities of the map include."""
+        """Return a note on what the line of a required probability includes."""
+        if not any(self.confidences):
+            return ""
         if np.isnan(self.grid.stopped_m_s).all():
             return "No probability is known for these designs."
-        notes = []
-        if len(self.result.threats) > 1:
-            notes.append("Probabilities are those of the threat that is most likely to perforate.")
-        if self.catalogue.sampled:
-            notes.append("Lines and regions include the model error only, not the distributions of the inputs.")
-        return " ".join(notes)
+        line = "The line includes the model error only, not the distributions of the inputs."
+        return line if self.catalogue.sampled else ""
 
 
-def _tint(axes: Axes, x: Any, y: Any, values: Any, ends: tuple[float, float], label: str, **look: Any) -> None:
-    """Tint the region where values, (y, x), lie between the two ends.
-
-    The patch in the legend has an edge if `look` has a line style.
-    """
+def _tint(axes: Axes, x: Any, y: Any, values: Any, label: str, colour: str) -> None:
+    """Tint the region where values, (y, x), are positive."""
     z = np.ma.masked_invalid(np.array(values, float))
-    low, high = max(ends[0], z.min() - 1.0), min(ends[1], z.max() + 1.0)
-    if low < z.max() and high > z.min():
-        axes.contourf(x, y, z, levels=[low, high], colors=[look["color"]], alpha=TINT)
-        edge: Any = {"edgecolor": look["color"], "linewidth": 1.2 if "linestyle" in look else 0.0}
-        axes.fill([], [], facecolor=(look["color"], TINT), label=label, linestyle=look.get("linestyle", "-"), **edge)
+    if z.max() > 0.0:
+        axes.contourf(x, y, z, levels=[0.0, z.max() + 1.0], colors=[colour], alpha=TINT)
+        axes.fill([], [], facecolor=(colour, TINT), label=label, linewidth=0.0)
 
 
 def _pairs_panel(result: DesignResult) -> _Panel:
@@ -385,9 +270,8 @@ def _front_panel(result: DesignResult) -> _Panel:
             for outside, some in grouped(designs, lambda design: bool(design.outside_tests)).items():
                 label = name + " (outside the tests)" * outside
                 draw_designs(axes, some, label, filled=not outside, **drawing.look_of(index))
-        if result.shown is not None:
-            name = "nearest" if result.reason else "best"
-            draw_designs(axes, [result.shown], name, markersize=3.0, color=drawing.INK)
+        shown = [each for each in result.pareto if view.layers_of(each) == view.layers_of(result.shown)]
+        draw_designs(axes, shown, "nearest" if result.reason else "best", markersize=3.0, color=drawing.INK)
         axes.set(xlabel=view.OBJECTIVE_WORDS[keys[0]].heading, ylabel=view.OBJECTIVE_WORDS[keys[1]].heading)
 
     notes = []
@@ -413,7 +297,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
     note = "Percentages: probability that the armour stops the projectile."
-    picture = sheet.panels(view.outcome(result), *heights, note=note)
+    picture = sheet.panels(headline(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)

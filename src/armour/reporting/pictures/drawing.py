@@ -21,7 +21,7 @@ from armour.scenario.inputs import VELOCITY
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
-INK, SOFT, PAPER = "#16191c", "#6a7178", "#ffffff"
+INK, SOFT = "#16191c", "#6a7178"
 # Colours, line styles and markers of series one after the other, so that they differ in more than colour.
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, INK)
 STYLES: Any = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
@@ -62,7 +62,6 @@ RULE: Any = {"linewidth": 1.0, "color": INK}
 SHADE: Any = {"color": SOFT, "alpha": 0.18, "linewidth": 0}
 BAND: Any = {"alpha": 0.3, "linewidth": 0}
 CAP = 3.0
-BEHIND: Any = {"facecolor": PAPER, "alpha": 0.75, "linewidth": 0, "pad": 0.5}
 
 
 class NotebookFigure(Figure):
@@ -289,19 +288,6 @@ def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, n
     if velocity is not None and low <= velocity <= high:
         label = f"{name} {velocity:.1f} m/s" if name else ""
         axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
-
-
-def name_point(axes: Axes, x: float, y: float, name: str, *, above: bool = True) -> None:
-    """Write a name above a point to the right or, with `above` false, below it to the left.
-
-    The side changes where the panel has no room.
-    """
-    [(across, up)] = axes.transAxes.inverted().transform(axes.transData.transform([(x, y)])).tolist()
-    right = across < 0.67 if above else across < 0.33
-    above = above or up < 0.1
-    offset = (6.0 if right else -6.0, 5.0 if above else -5.0)
-    look: Any = {"ha": "left" if right else "right", "va": "bottom" if above else "top", "fontsize": NAME, "zorder": 5}
-    axes.annotate(name, (x, y), offset, textcoords="offset points", bbox=BEHIND, **look)
 
 
 def contours(

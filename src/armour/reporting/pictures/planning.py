@@ -4,12 +4,11 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from armour.errors import counted
 from armour.planning.firing import ShotPlan
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import in_words, interval, percent
+from armour.reporting.table import in_words, percent
 from armour.scenario.inputs import VELOCITY
 
 
@@ -18,7 +17,7 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability density of V50, and below it the shots or, if computed, the operating characteristic."""
     simulated = bool(plan.operating_characteristic)
     note = f"{plan.stopped}." if plan.stopped else ""
-    picture = sheet.panels(_title(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
+    picture = sheet.panels(headline(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
     densities, last = picture.axes
     _draw_densities(densities, plan)
     if simulated:
@@ -33,15 +32,6 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     draw_shots(last, plan.fired)
     _draw_velocities(last, plan, named=False)
     return picture
-
-
-def _title(plan: ShotPlan) -> str:
-    """Return the next velocity, and V50 from the shots so far."""
-    following = "Firing ended" if plan.next_velocity_m_s is None else f"Next shot at {plan.next_velocity_m_s:.1f} m/s"
-    basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
-    ends = interval(plan.posterior.v50_interval_m_s, ".0f")
-    v50 = f"V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
-    return f"{following}; {basis} {v50}"
 
 
 def _draw_densities(axes: Axes, plan: ShotPlan) -> None:

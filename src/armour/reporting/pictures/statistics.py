@@ -7,11 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from armour.errors import mistake
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, deviation_percent, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
-from armour.reporting.words import risk
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve, ShotLikelihood
@@ -36,10 +35,9 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
     velocity = drawing.recorded(result, "scenario").impact.velocity_m_s
     names = [Column.of(each.input).label for each in result.inputs]
-    title = f"Perforated with a probability of {risk(1.0 - p.value)} at {velocity:g} m/s"
     note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
-    picture = sheet.panels(title, *heights, note=note, sharex=True)
+    picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
     axes.set(ylabel="probability of perforation", ylim=(0.0, 1.0))
     axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
@@ -78,11 +76,8 @@ def draw_sensitivity(result: SensitivityResult, sheet: drawing.Sheet) -> drawing
     inputs = [item for item in result.inputs if any(item.elasticities[answer] is not None for answer in answers)]
     inputs.sort(key=lambda item: [-abs(item.elasticities[answer] or 0.0) for answer in answers])
     names, titles = [Column.of(item.input).label for item in inputs], [Column.of(name).label for name in answers]
-    title, note = "", "Change in % for a 1 % increase of the input."
-    if inputs:
-        most = inputs[0].elasticities[answers[0]] or 0.0
-        title = f"The {titles[0]} depends most on the {names[0]}: {most:+.2f} % for 1 % more"
-    picture = sheet.panels(title, *[drawing.rows_height(names, titled=True)] * len(answers), note=note)
+    note = "Change in % for a 1 % increase of the input."
+    picture = sheet.panels(headline(result), *[drawing.rows_height(names, titled=True)] * len(answers), note=note)
     for axes, answer, heading in zip(picture.axes, answers, titles, strict=True):
         drawing.rows(axes, names, {"": [item.elasticities[answer] for item in inputs]}, 0.0)
         axes.set(title=heading, xlabel="change, %")
@@ -97,11 +92,6 @@ WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 @draw.register
 def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw computed over measured values, and deviations, for each quantity measured; and own tests, if any."""
-    title = f"Calibration to {len({residual.test for residual in result.residuals})} tests"
-    if result.mean_error_percent is not None:
-        title += f": mean error {result.mean_error_percent:.1f} %"
-    if result.left_out_error_percent is not None:
-        title += f", {result.left_out_error_percent:.1f} % leave-one-out"
     has_uncertainties = any(residual.uncertainty for residual in result.residuals)
     by_quantity = grouped(result.residuals, lambda residual: residual.quantity)
     measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
@@ -114,7 +104,7 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
     if own:
         note += f"{' ' * bool(note)}Own tests: 95 % intervals from the others of the lot."
         heights.append(drawing.rows_height([name for name, _ in own], titled=True))
-    picture = sheet.panels(title, *heights, note=note)
+    picture = sheet.panels(headline(result), *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():
         groups: dict[str, list[drawing.Compared]] = {}
@@ -181,16 +171,14 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     shown = [*shots.velocities_m_s, *(() if posterior is None else posterior.v50_interval_m_s)]
     low, high = drawing.widened(shown, 0.5)
     level, notes = percent(result.confidence), []
-    confidence, ends = level, fit.v50_interval_m_s
+    ends = fit.v50_interval_m_s
     if fit is result.recommended:
         notes.append(f"Band: {level} band of the curve.")
         if result.bounded_confidence is not None and result.bounded_interval_m_s is not None:
-            confidence, ends = percent(result.bounded_confidence), result.bounded_interval_m_s
-    bounded = ends != (None, None)
+            ends = result.bounded_interval_m_s
     panels = [1.1 * drawing.PANEL]
     if sheet.ax is None and fit is result.recommended:
         panels += [drawing.PANEL, drawing.PANEL]
-    title = f"V50 {fit.v50_m_s:.1f} m/s, {confidence} interval {interval(ends, '.1f')}" + (" m/s" if bounded else "")
     if posterior is not None:
         posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
         notes.append(f"Posterior, with the model as prior: {level} interval {posterior_ends} m/s.")
@@ -198,9 +186,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
     if (required := result.requirement_m_s) is not None and not low <= required <= high:
         notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
-    if result.extrapolated:
-        title = "V50 not bounded by these shots"
-    picture = sheet.panels(title, *panels, note=" ".join(notes))
+    picture = sheet.panels(headline(result), *panels, note=" ".join(notes))
     axes = picture.axes[0]
     axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
@@ -211,7 +197,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     draw_shots(axes, shots)
     axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     if low <= fit.v50_m_s <= high:
-        if bounded:
+        if ends != (None, None):
             start, end = (edge if e is None else e for e, edge in zip(ends, (low, high), strict=True))
             drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
         drawing.points(axes, [fit.v50_m_s], [0.5], color=drawing.BLUE)
@@ -226,7 +212,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     drawing.velocity_line(axes, model, drawing.INK, ":", "limit by this model")
     if len(panels) > 1:
         _draw_region(picture.axes[1], fit, shots, result.confidence, (low, high))
-        _draw_order(picture.axes[2], shots, ends if bounded else None)
+        _draw_order(picture.axes[2], shots, None if ends == (None, None) else ends)
     return picture
 
 

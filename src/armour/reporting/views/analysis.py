@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
-from armour.analysis.impact import ImpactResult
+from armour.analysis.impact import History, ImpactResult
 from armour.analysis.results import EachResult
 from armour.reporting import words as phrases
-from armour.reporting.by_result import by_result, tables_of
-from armour.reporting.table import Column, Source, Table, VerdictLine, rows_csv
+from armour.reporting.by_result import by_result, in_a_line, line_of, tables_of
+from armour.reporting.table import Column, Source, Table, VerdictLine, interval, rows_csv
 
 
 class StageWords(NamedTuple):
@@ -43,7 +43,9 @@ def tables_of_each(result: EachResult) -> list[Table | str]:
 @tables_of.register
 def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     """Return the outcome of an impact, its probability if computed, what remains of the projectile, and the stages."""
-    parts: list[Table | str] = [verdict(result)]
+    line = in_a_line(result)
+    is_good = result.outcome == "stopped" and not line.startswith("not known")
+    parts: list[Table | str] = [VerdictLine(line, good=is_good)]
     if (confidence := result.question.get("confidence")) is not None:
         parts += tables_of_confidence(confidence)
         distributed = result.question["scenario"].uncertainty
@@ -55,26 +57,21 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     return [*parts, Table.of_one(result, *before, plug, *after, phrases.WHOLE), stage_table(result)]
 
 
-def verdict(result: ImpactResult) -> VerdictLine:
-    """Return the outcome of an impact as a line, with the caveats of the model."""
+@line_of.register
+def impact_in_a_line(result: ImpactResult) -> str:
+    """Return the outcome of an impact with the caveats of the model or, if it is not known, the reason."""
     stopped = result.outcome == "stopped"
-    residual = "" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s"
-    words = verdict_words(result, result.outcome + residual)
-    return VerdictLine(words, good=stopped and not words.startswith("not known"))
-
-
-def verdict_words(result: ImpactResult, outcome: str) -> str:
-    """Return the outcome, given in words, with the caveats of the model or, if it is not known, the reason."""
-    unknown = phrases.said_of(result.warnings, "not known", *(["too low"] if result.outcome == "perforated" else []))
+    outcome = result.outcome + ("" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s")
+    unknown = phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
     words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
-    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.warnings) if caveat not in unknown)])
+    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown)])
 
 
 def caveat_lines(result: LimitResult) -> list[Table | str]:
     """Return a line for each caveat of the model on a ballistic limit."""
-    unknown = phrases.said_of(result.warnings, "not known")
+    unknown = phrases.said_of(result.notes, "not known")
     lines = [VerdictLine(f"not known: {words}", good=False) for words in unknown]
-    return [*lines, *phrases.said_of(result.warnings)]
+    return [*lines, *phrases.said_of(result.notes)]
 
 
 def stage_table(result: ImpactResult) -> Table:
@@ -96,6 +93,31 @@ def crossing_table(result: LimitResult) -> Table:
     """Tabulate the velocities at which the outcome changes, and the outcome above each."""
     columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
     return Table(columns, tuple((crossing.bracket_m_s[1], crossing.above) for crossing in result.crossings))
+
+
+@line_of.register
+def limit_in_a_line(result: LimitResult) -> str:
+    """Return the ballistic limit with its interval and the caveats of the model."""
+    ends = "" if result.interval_m_s is None else f", 95 % interval {interval(result.interval_m_s, '.0f')} m/s"
+    return "; ".join([f"ballistic limit {result.ballistic_limit_m_s:.0f} m/s{ends}", *map(str, caveat_lines(result))])
+
+
+@line_of.register
+def history_in_a_line(result: History) -> str:
+    """Return the number of instants and their range."""
+    return f"{len(result.time_us)} instants from 0 to {result.time_us[-1]:.2f} µs"
+
+
+@line_of.register
+def confidence_in_a_line(result: ConfidenceResult) -> str:
+    """Return the probability of stopping."""
+    return f"{phrases.STOPPING.label} {phrases.chance(result.probability_of_stopping, result.model_error)}"
+
+
+@line_of.register
+def each_in_a_line(result: EachResult) -> str:
+    """Return the names of the results."""
+    return ", ".join((*result.results, *result.unanswered))
 
 
 @tables_of.register

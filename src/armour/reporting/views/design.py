@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from itertools import compress, zip_longest
+from itertools import compress
 from math import inf
 from operator import attrgetter, itemgetter
 from typing import Any
@@ -12,29 +12,17 @@ from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
 from armour.design.against import Moved
 from armour.design.check import CheckedThreat, CheckResult
-from armour.design.optimise import (
-    BY_LIMIT,
-    BestDesign,
-    Design,
-    DesignResult,
-    Pair,
-    armour_in_words,
-    excesses,
-    short_words,
-)
-from armour.design.requirements import Requirement
+from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
 from armour.errors import counted, joined
-from armour.evidence.tests import THIN, TOO_THIN, armours_of, limits_of_model, threat_warnings
+from armour.evidence.tests import THIN, TOO_THIN, armours_of, threat_warnings
 from armour.reporting import words as phrases
-from armour.reporting.by_result import tables_of
+from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
-from armour.reporting.report import Report, ReportSection
+from armour.reporting.report import Report, ReportSection, section_of
 from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, InertLayer
+from armour.scenario.schema import OBJECTIVES, DesignSection, InertLayer
 
-# Below this probability of stopping, a note says how likely perforation is, and how to ask for a safer design.
-LOW, ASK = 0.75, "--confidence 0.95 designs for 95 %"
 # Rows of the frontier that are shown by default.
 FRONTIER_ROWS = 5
 AREAL_DENSITY = Column.of("areal_density_kg_m2")
@@ -46,7 +34,6 @@ LIMIT_COLUMN = Column.of("ballistic_limit_m_s", label="limit")
 GOVERNED_BY = Column("governed by", prose=True)
 # Called so because the actual margin also depends on the model error.
 MARGIN_BY_MODEL = Column.of("margin_m_s", "+.0f", "margin by the model")
-REQUIRED = Column("required margin", "m/s", "+.0f")
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 NEEDED = Column("flow stress needed", "GPa", ".1f")
 SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
@@ -57,85 +44,13 @@ METALS = (
 # Words for the places of layers without ballistic effect, and for those without a name.
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
 UNNAMED = "added for adhesive or cover"
-EXISTS = "areal density, thickness and cost without the back plate, which exists"
-
-
-def required_margins(scenario: Scenario | None) -> dict[str, float]:
-    """Return the required margins of a scenario by threat, m/s, where they are not 0."""
-    threats = () if scenario is None else scenario.threat
-    return {threat.title: threat.margin_m_s for threat in threats if threat.margin_m_s}
-
-
-def best_table(design: BestDesign, required: Mapping[str, float]) -> Table:
-    """Tabulate a design in a line for each quantity; `required` has the required margins by threat, m/s."""
-    limit: list[Source] = [phrases.BALLISTIC_LIMIT]
-    if (limit_m_s := design.ballistic_limit_m_s) is None:
-        limit = [(Column("ballistic limit"), "outside the range")]
-    elif (error := design.model_error) is not None:
-        limit.append(phrases.with_error(error.median(limit_m_s), error.interval(limit_m_s)))
-    stops = phrases.chance(design.probabilities_of_stopping[design.governing], design.model_error)
-    threat: list[Source] = [(phrases.STOPPING, stops), MARGIN_BY_MODEL, (REQUIRED, required.get(design.governing))]
-    if len(design.margins_m_s) > 1:  # the table of the threats has these of each
-        limit, threat = [(GOVERNED_BY, design.governing), *limit], []
-    return Table.of_one(
-        design,
-        (Column("armour", prose=True), armour_in_words(design)),
-        AREAL_DENSITY,
-        phrases.WHOLE,
-        *limit,
-        *threat,
-        THICKNESS,
-        (COST, design.cost_per_m2 or None),
-        (OUTSIDE, outside_words(design.outside_tests) if design.model_error is None else ""),
-    )
-
-
-def design_verdict(result: DesignResult) -> list[Table | str]:
-    """Return lines on a search without a best design: the nearest design, what it lacks, and why; else none."""
-    nearest, unlimited = result.nearest, result.without_limits
-    if not result.reason:
-        return []
-    if nearest is None:
-        return [VerdictLine(f"{result.reason}: {result.explanation}", good=False)]
-    armour, notes = armour_in_words(nearest), _flow_stress_notes(nearest)
-    threats = "every threat" if len(result.threats) > 1 else result.threats[0]
-    short = ", ".join(f"{short_words(short)} against {threat}" for threat, short in nearest.short_m_s.items() if short)
-    if result.reason == "not known" and not short:
-        least = OBJECTIVES[result.minimised].least
-        words = f"not known: {armour} is the {least} that stops {threats} by the computed limit"
-        return [VerdictLine(words, good=False), *notes, result.explanation]
-    unmet = [row for row in nearest.requirements if row.interval and row.verdict != "passes"]
-    lacks = "; ".join(filter(None, (short, *map(phrases.requirement_words, unmet))))
-    misses = [f"lacks {lacks}"] * bool(lacks) + [f"has {'; '.join(excesses(nearest))}"] * bool(nearest.exceeds)
-    explanation = result.explanation
-    if unlimited is not None and unlimited.exceeds and (lacks or unlimited.exceeds != nearest.exceeds):
-        stops = f"would stop {threats}{BY_LIMIT * (unlimited.model_error is None)}"
-        explanation = f"{armour_in_words(unlimited)} {stops}, but has {'; '.join(excesses(unlimited))}"
-    known = result.reason if result.reason == "none passes" else "not known, as the limit is too low"
-    return [VerdictLine(f"{known}: the nearest, {armour}, {', and '.join(misses)}", good=False), explanation, *notes]
-
-
-def _greatest(design: BestDesign, field: str) -> str:
-    """Return the threat against which a field of `NeededFlowStress` is the greatest; None in it is infinite."""
-    return max(design.flow_stress, key=lambda threat: getattr(design.flow_stress[threat], field) or inf, default="")
+# Words of the reasons why there is no best design.
+NONE = {"none passes": "none passes; the nearest", "not known": "none is known to pass; the nearest"}
 
 
 def _needed(design: BestDesign) -> NeededFlowStress | None:
     """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
-    return design.flow_stress.get(_greatest(design, "needed_GPa"))
-
-
-def _flow_stress_notes(design: BestDesign) -> list[str]:
-    """Return notes on the flow stress that the untested ceramic of a design needs, against the threats that decide.
-
-    They are those for which it is the greatest to stop them, and to stop them with the probability required.
-    """
-    threats = dict.fromkeys(_greatest(design, field) for field in ("needed_GPa", "needed_for_probability_GPa"))
-    shown = []
-    for threat in threats:
-        stops, *limits = phrases.flow_stress_notes(design.flow_stress.get(threat), threat) or [""]
-        shown += [stops, *(f"against {threat}: {note}" if len(threats) > 1 else note for note in limits)]
-    return list(filter(None, shown))
+    return max(design.flow_stress.values(), key=lambda needed: needed.needed_GPa or inf, default=None)
 
 
 def _aligned(table: Table) -> Table:
@@ -147,45 +62,34 @@ def _aligned(table: Table) -> Table:
     return replace(table, columns=tuple(replace(c, spec=f".{decimals}f") if chosen else c for c, chosen in columns))
 
 
-def frontier_table(result: DesignResult) -> Table:
-    """Tabulate, for each back plate of the best pair, the thinnest ceramic that passes.
+def frontier_table(result: DesignResult, rows: slice = slice(None)) -> Table:
+    """Tabulate, for some back plates of the best pair, the thinnest ceramic that passes.
 
     Notes mark the best design and ceramics at the least thickness on offer.
     """
-    several = len(result.threats) > 1
-    governing = dict(zip(map(_thicknesses, result.frontier), result.frontier_governed_by, strict=True))
+    designs, governing = result.frontier[rows], result.frontier_governed_by[rows]
 
     def note(design: Design) -> str:
-        marks = [OBJECTIVES[result.minimised].least] if _thicknesses(design) == _thicknesses(_shown(result)) else []
+        marks = [OBJECTIVES[result.minimised].least] if layers_of(design) == layers_of(result.shown) else []
         return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
 
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE, _least_margin(result)
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE
     table = Table.of(
-        result.frontier,
-        *numbers,
-        outside_tests(result.frontier),
-        (GOVERNED_BY, lambda design: governing[_thicknesses(design)] if several else None),
-        (Column("note"), note),
-        title=f"{pair_words(_shown(result))}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
+        zip(designs, governing, strict=True),
+        *of_part(itemgetter(0), *numbers, outside_tests(designs)),
+        *[(GOVERNED_BY, itemgetter(1))] * (len(result.threats) > 1),
+        *of_part(itemgetter(0), (Column("note"), note)),
+        title=f"{pair_words(result.shown)}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
     )
     return _aligned(table)
 
 
-def _least_margin(result: DesignResult) -> Column:
-    """Return the column of the least margin over the threats, which need not be that of the governing threat."""
-    return (
-        replace(MARGIN_BY_MODEL, label=f"least {MARGIN_BY_MODEL.label}") if len(result.threats) > 1 else MARGIN_BY_MODEL
-    )
-
-
-def _around_best(result: DesignResult) -> DesignResult:
-    """Return a result whose frontier is cut down to `FRONTIER_ROWS` rows around the best design."""
-    places = [_thicknesses(design) for design in result.frontier]
-    best = _thicknesses(_shown(result))
+def _around_best(result: DesignResult) -> slice:
+    """Return the `FRONTIER_ROWS` rows of the frontier around the best design."""
+    places, best = [*map(layers_of, result.frontier)], layers_of(result.shown)
     middle = places.index(best) if best in places else 0
     first = max(min(middle - FRONTIER_ROWS // 2, len(places) - FRONTIER_ROWS), 0)
-    rows = slice(first, first + FRONTIER_ROWS)
-    return replace(result, frontier=result.frontier[rows], frontier_governed_by=result.frontier_governed_by[rows])
+    return slice(first, first + FRONTIER_ROWS)
 
 
 def left_out(result: DesignResult) -> str:
@@ -195,62 +99,31 @@ def left_out(result: DesignResult) -> str:
     return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
 
 
-# The thicknesses, which distinguish a design from others of the same materials.
-_thicknesses = attrgetter("ceramic_thickness_mm", "backing_thickness_mm")
-
-
-def margin_table(result: DesignResult, required: Mapping[str, float]) -> Table:
-    """Tabulate, for each threat, the best design's margin and its probabilities of stopping and of perforation.
-
-    `required` has the required margins by threat, m/s.
-    """
-    best, sampled = _shown(result), Column("probability of perforation by sampling, 95 % interval")
-    return Table.of(
-        best.margins_m_s,
-        (Column("threat", prose=True), str),
-        (MARGIN_BY_MODEL, best.margins_m_s.__getitem__),
-        (Column("short by", "m/s", ".0f"), lambda threat: best.short_m_s[threat] or None),
-        (phrases.STOPPING, lambda threat: phrases.chance(best.probabilities_of_stopping[threat])),
-        (REQUIRED, required.get),
-        (sampled, lambda threat: phrases.estimated(best.probabilities.get(threat), ".3f")),
-        (Column("note"), lambda threat: "governs" if threat == best.governing else ""),
-    )
+# The layers, which distinguish a design from others.
+layers_of = attrgetter("ceramic", "backing", "ceramic_thickness_mm", "backing_thickness_mm")
 
 
 def pair_table(result: DesignResult) -> Table:
-    """Tabulate every pair of materials with its best design, or the reason why it has none."""
-    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT_COLUMN, _least_margin(result)
-    needed: Source = NEEDED, lambda best: phrases.needed_words(_needed(best))
-    outside = outside_tests(best_of_pairs(result))
+    """Tabulate every pair of materials with its best design or, without one, the nearest."""
+    designs = [pair.best or pair.nearest for pair in result.pairs]
+    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT_COLUMN, phrases.WHOLE
+    needed: Source = NEEDED, lambda design: phrases.needed_words(_needed(design))
     table = Table.of(
-        result.pairs,
-        (Column("armour", prose=True), lambda pair: armour_in_words(pair.best) if pair.best else pair_words(pair)),
-        *of_part(attrgetter("best"), *numbers, phrases.WHOLE, needed, outside),
-        (Column("result", prose=True), lambda pair: _result(result, pair)),
+        zip(result.pairs, designs, strict=True),
+        (Column("armour", prose=True), lambda row: armour_in_words(row[1]) if row[1] else pair_words(row[0])),
+        *of_part(itemgetter(1), *numbers, needed, outside_tests([*filter(None, designs)])),
+        (Column("result", prose=True), lambda row: _result(result, row[0])),
         title="pairs of materials",
         rest="--json",
     )
     return _aligned(table)
 
 
-def design_table(designs: Sequence[Design], title: str, margins_m_s: Sequence[Mapping[str, float]] = ()) -> Table:
-    """Tabulate designs, such as those of the Pareto front, in a row each.
-
-    `margins_m_s` has, for each design, its margins by threat; they are shown if there are several threats.
-    """
-    design, margins = itemgetter(0), itemgetter(1)
-    threats = [*margins_m_s[0]] if margins_m_s else []
-    against = ((Column(f"margin against {threat}", "m/s", "+.0f"), itemgetter(threat)) for threat in threats)
+def front_table(designs: Sequence[DesignOfFront]) -> Table:
+    """Tabulate the designs of a Pareto front."""
     armour = Column("armour", prose=True), armour_in_words
-    table = Table.of(
-        zip_longest(designs, margins_m_s),
-        *of_part(design, armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE),
-        *(of_part(margins, *against) if len(threats) > 1 else of_part(design, MARGIN_BY_MODEL)),
-        *of_part(design, outside_tests(designs)),
-        title=title,
-        rest="--csv FILE",
-    )
-    return _aligned(table)
+    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, MARGIN_BY_MODEL, outside_tests(designs)
+    return _aligned(Table.of(designs, *columns, title="Pareto front", rest="--csv FILE"))
 
 
 def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
@@ -272,32 +145,10 @@ def best_of_pairs(result: DesignResult) -> list[BestDesign]:
     return [pair.best for pair in result.pairs if pair.best is not None]
 
 
-def pair_notes(result: DesignResult) -> list[str]:
-    """Return notes below the table of pairs.
-
-    They give the flow stress that ceramics of a single source need, the quantities in which all pairs lie outside the
-    tests, and the caveats of `pair_caveats`.
-    """
-    best, notes = best_of_pairs(result), []
-    for each in best:
-        if any(row.quantity == SOURCES for row in each.requirements):
-            notes += [f"{armour_in_words(each)} {note}" for note in _flow_stress_notes(each)[:1]]
-    notes += outside_notes(best) if len(best) > 1 else []
-    return notes + pair_caveats(result)
-
-
 def pair_caveats(result: DesignResult) -> list[str]:
     """Return the caveats of the model on pairs other than the best, and on comparing metals of different strength."""
     metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
-    return phrases.said_of(result.warnings, "pairs") + [METALS] * (len(metals) > 1)
-
-
-def offer_table(result: DesignResult) -> Table:
-    """Tabulate all designs on offer or, if the result does not keep them, the best of each pair."""
-    if result.every:
-        return design_table(result.every, "designs on offer", result.margins_of_every_m_s)
-    best = best_of_pairs(result)
-    return design_table(best, "best of each pair", [each.margins_m_s for each in best])
+    return phrases.said_of(result.notes, "pairs") + [METALS] * (len(metals) > 1)
 
 
 def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
@@ -326,74 +177,63 @@ def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[s
 
 
 def _result(result: DesignResult, pair: Pair) -> str:
-    """Return why the best design of a pair is not the best of all or, if it is, in which sense."""
-    if pair.reason or pair.best is None:
-        return pair.reason
-    least = OBJECTIVES[result.minimised].least
-    return least if result.best is not None and pair.best.model_error is not None else f"{least} by the computed limit"
+    """Return how the best design of a pair compares with the best of all or, without one, what the nearest lacks."""
+    objective, scenario = OBJECTIVES[result.minimised], result.question.get("scenario")
+    section = (scenario and scenario.design) or DesignSection()
+    if pair.best is None:
+        within = f"none within {section.runners_up_percent:g} % of the best passes"
+        return within if pair.nearest is None else _outcome(pair.nearest.check)
+    excess, words = pair.excess_percent, objective.least
+    if excess is None:
+        words = objective.more
+    elif excess:
+        is_close = pair.ranked and excess <= section.runners_up_percent
+        words = "runner-up: " * is_close + f"{abs(excess):.1f} % {objective.more if excess > 0.0 else objective.less}"
+    elif result.reason or pair.best.model_error is None:
+        words += " by the computed limit"
+    lacks = any(row.quantity == SOURCES for row in pair.best.requirements)
+    reason = "" if pair.ranked else "fewer than two sources of its flow stress: " if lacks else "no test: "
+    return reason + words
 
 
 def design_csv(result: DesignResult) -> str:
-    """Format designs as CSV: the Pareto front; without one, the frontier; without either, every design kept."""
+    """Format designs as CSV: the Pareto front; without one, the frontier."""
     untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, MARGIN_BY_MODEL
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST
+    margin = [MARGIN_BY_MODEL] * bool(result.pareto)
     outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
-    designs = result.pareto or result.frontier or result.every
-    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, outside))
-
-
-def _shown(result: DesignResult) -> BestDesign:
-    """Return the best design or, without one, the nearest; the result must have either."""
-    assert result.shown is not None
-    return result.shown
+    designs = result.pareto or result.frontier
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, outside))
 
 
 @tables_of.register
 def tables_of_design(result: DesignResult) -> list[Table | str]:
-    """Return the best design of a search, its frontier or a row for each pair of materials, and the Pareto front."""
-    scenario: Scenario | None = result.question.get("scenario")
-    required, best, named = required_margins(scenario), result.shown, list[Design](best_of_pairs(result))
-    shown: list[Table | str] = [*design_verdict(result), *phrases.said_of(result.warnings)]
-    if best is not None:
-        answer = None if scenario is None or best.model_error is not None else _answer(scenario, best)
-        error = [] if result.reason == "not known" else [phrases.error_note(best.model_error, answer)]
-        notes = [] if result.reason else _flow_stress_notes(best)
-        exists = [EXISTS] if best.whole_thickness_mm != best.thickness_mm else []
-        shown += [best_table(best, required), *exists, *error, *notes, *margin_notes(best)]
-    if best is not None and (len(result.threats) > 1 or best.probabilities):
-        shown.append(margin_table(result, required))
-    verbose = result.question.get("every_row")
+    """Return the lines of the check of the best design, and then what only a search knows, see `tables_of_search`."""
+    result.shown.check.of(every_row=result.question.get("every_row"))
+    _, *checked = tables_of_check(result.shown.check)
+    return [VerdictLine(in_a_line(result), good=not result.reason), *checked, *tables_of_search(result)]
+
+
+def tables_of_search(result: DesignResult) -> list[Table | str]:
+    """Return the frontier or a row for each pair of materials, and the Pareto front."""
+    shown, verbose = list[Table | str](), result.question.get("every_row")
+    named: list[Design] = [*best_of_pairs(result), *result.pareto]
     if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
-        shown.append(pair_table(result))
-        shown += pair_notes(result)
-    if result.every and (verbose or result.reason):
-        shown += [offer_table(result), *outside_notes(result.every)]
-        named += result.every
+        best = best_of_pairs(result)
+        shown += [pair_table(result), *(outside_notes(best) if len(best) > 1 else ()), *pair_caveats(result)]
     if result.frontier and (len(result.pairs) == 1 or verbose):
-        part = result if verbose else _around_best(result)
-        shown += [frontier_table(part), *outside_notes(part.frontier)]
-        named += part.frontier
-        more = len(result.frontier) - len(part.frontier)
+        rows = slice(None) if verbose else _around_best(result)
+        part = result.frontier[rows]
+        shown += [frontier_table(result, rows), *outside_notes(part)]
+        named += part
+        more = len(result.frontier) - len(part)
         shown += [f"{more} more back plates with -v"] if more else []
         shown += [left_out(result)] if result.without_mm else []
     if result.pareto:
-        shown += [design_table(result.pareto, "Pareto front"), *outside_notes(result.pareto)]
-    is_said = best is not None and best.outside_tests.get(THIN, 1.0) < 1.0
-    thin = [] if is_said else thin_designs([*named, *result.pareto], scenario)
-    return [*shown, *thin, *phrases.threat_notes(scenario), f"{counted(result.designs, 'design')} computed"]
-
-
-def _answer(scenario: Scenario, best: BestDesign) -> Scenario:
-    """Return the scenario with the best design as its armour and the governing threat as its impact."""
-    [governing] = [threat for threat in scenario.threats() if threat.title == best.governing]
-    return scenario.replaced(best.changes_to(scenario)).against(governing)
-
-
-def margin_notes(best: BestDesign) -> list[str]:
-    """Return a note on how likely perforation of the best design is, if its probability of stopping is low."""
-    least = min((p for p in best.probabilities_of_stopping.values() if p is not None), default=1.0)
-    ask = "" if any(row.quantity == "probability_of_stopping" for row in best.requirements) else f"; {ASK}"
-    return [f"perforated with a probability of {phrases.risk(least)}{ask}"] if least < LOW else []
+        shown += [front_table(result.pareto), *outside_notes(result.pareto)]
+    is_said = result.shown.outside_tests.get(THIN, 1.0) < 1.0
+    thin = [] if is_said else thin_designs(named, result.question.get("scenario"))
+    return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
 
 
 # Columns of the objectives by key, with more digits than in the tables above, so that close designs differ.
@@ -401,23 +241,20 @@ OBJECTIVE_SPECS = {AREAL_DENSITY: ".2f", THICKNESS: ".5g", COST: ".2f", MARGIN_B
 OBJECTIVE_WORDS = {column.key: replace(column, spec=spec) for column, spec in OBJECTIVE_SPECS.items()}
 
 
-def design_title(result: DesignResult) -> str:
-    """Return the best design in a line, with its probability of stopping; without one, the verdict of the search."""
-    if result.reason:
-        words = str(design_verdict(result)[0])
-        return words[:1].upper() + words[1:]
-    best = _shown(result)
-    probability = least_probability(best)
-    stops = "" if probability is None else f", stops with {phrases.chance(probability)}"
-    value = OBJECTIVE_WORDS[result.minimised].with_unit(getattr(best, result.minimised))
+@line_of.register
+def design_in_a_line(result: DesignResult) -> str:
+    """Return the best design or, without one, the nearest in a line, with the verdict on it."""
+    shown, objective = result.shown, OBJECTIVES[result.minimised]
+    value = OBJECTIVE_WORDS[result.minimised].with_unit(getattr(shown, result.minimised))
     value = f"cost {value} per m²" if result.minimised == COST.key else value
-    return f"{OBJECTIVES[result.minimised].least.capitalize()}: {armour_in_words(best)}, {value}{stops}"
+    name = NONE[result.reason] if result.reason else objective.least
+    return f"{name}: {armour_in_words(shown)}, {value}; {in_a_line(shown.check)}"
 
 
-def least_probability(design: BestDesign) -> float | None:
-    """Return the least probability of stopping of a design over its threats; None if any is unknown."""
-    probabilities = design.probabilities_of_stopping.values()
-    return None if None in probabilities else min(p for p in probabilities if p is not None)
+def least_probability(result: CheckResult) -> float | None:
+    """Return the least probability of stopping over the threats; None if any is unknown."""
+    known = [chance for threat in result.threats if (chance := threat.probability_of_stopping) is not None]
+    return min(known) if len(known) == len(result.threats) else None
 
 
 def pair_words(design: Design | Pair) -> str:
@@ -442,7 +279,10 @@ def required(threat: CheckedThreat) -> str:
 
 
 def finding(threat: CheckedThreat) -> str:
-    """Return what an armour achieves against a threat, its probability of stopping or ballistic limit, and the aim."""
+    """Return what an armour achieves against a threat, its probability of stopping or ballistic limit, and the aim.
+
+    Where the verdict is "not known", end with the reason.
+    """
     limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
     by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
     rows = threat.requirements
@@ -458,24 +298,25 @@ def finding(threat: CheckedThreat) -> str:
     failing = [row.quantity for row in rows if row.verdict == "fails"]
     if limit is not None and limit >= needed and "margin_m_s" in failing:
         words.append(f"perforated at {needed:g} m/s, within the tolerance of the limit")
-    return "; ".join(words)
+    return "; ".join([*words, *[threat.reason] * says_reason(threat)])
+
+
+def says_reason(threat: CheckedThreat) -> bool:
+    """Return whether the verdict on an armour against a threat is "not known" as its probability is unknown."""
+    unknown = (row.found is None and row.verdict == "not known" for row in threat.requirements)
+    return threat.verdict == "not known" and any(unknown)
 
 
 def requirement_table(result: CheckResult) -> Table:
     """Tabulate all requirements on an armour, with what it has and the verdict on each."""
     rows = []
-    for row in requirements_of(result):
+    for row in result.all_requirements():
         name, asked, found = phrases.requirement_parts(row)
         by_limit = row.quantity == "probability_of_stopping" and row.found is None and row.verdict == "fails"
         found += ", and the limit does not suffice" * by_limit
         rows.append((name, row.threat if len(result.threats) > 1 else "", asked, found, VERDICTS[row.verdict]))
     words = (Column(label, prose=True) for label in ("required", "against"))
     return Table.of_rows([*words, *map(Column, ("asked for", "found", "verdict"))], rows)
-
-
-def requirements_of(result: CheckResult) -> list[Requirement]:
-    """Return the requirements on an armour against each threat, and then those against none."""
-    return [row for threat in result.threats for row in threat.requirements] + list(result.requirements)
 
 
 def threat_table(result: CheckResult) -> Table:
@@ -507,10 +348,11 @@ def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
     return [table] if len(table.columns) > 1 else []
 
 
-def outcome(result: CheckResult) -> str:
+@line_of.register
+def check_in_a_line(result: CheckResult) -> str:
     """Return the verdict on an armour in a line, with the requirements not met and the caveats of the model."""
-    unknown = phrases.said_of(result.warnings, "not known") * (len(result.threats) > 1)
-    return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.warnings)])
+    unknown = phrases.said_of(result.notes, "not known") * (len(result.threats) > 1)
+    return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.notes)])
 
 
 def _outcome(result: CheckResult) -> str:
@@ -524,11 +366,12 @@ def _outcome(result: CheckResult) -> str:
     if result.verdict == "passes":
         by_model = all(threat.required_probability is None for threat in result.threats)
         return f"passes against every threat{' by the computed limit' if by_model else ''}"
-    missed = {
-        verdict: f"{VERDICTS[verdict]} against {joined(names)}"
-        for verdict in ("fails", "not known")
-        if (names := [threat.threat for threat in result.threats if threat.verdict == verdict])
-    }
+    missed = {}
+    for verdict in ("fails", "not known"):
+        if threats := [threat for threat in result.threats if threat.verdict == verdict]:
+            reasons = "; ".join(dict.fromkeys(threat.reason for threat in threats if says_reason(threat)))
+            against = f"{VERDICTS[verdict]} against {joined([threat.threat for threat in threats])}"
+            missed[verdict] = ": ".join(filter(None, (against, reasons)))
     if result.verdict in missed:
         return "; ".join([*missed.values(), *words])
     return f"{VERDICTS[result.verdict]}: {'; '.join([*words, *missed.values()])}"
@@ -577,15 +420,16 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
     """
     several = len(result.threats) > 1
     scenario = result.question["scenario"]
-    shown: list[Table | str] = [VerdictLine(outcome(result), good=result.verdict == "passes"), amounts(result)]
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=result.verdict == "passes"), amounts(result)]
     shown += [*layer_words(scenario.armour.layer), threat_table(result)]
     shown += [*outside_notes(result.threats), *phrases.threat_notes(scenario)]
-    if len(requirements_of(result)) > len(result.threats):
+    if len(result.all_requirements()) > len(result.threats):
         shown.append(requirement_table(result))
     explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
     for threat in explained:
         against = f"against {threat.threat}"
-        shown += [f"{against}: {note}" if several else note for note in phrases.basis_notes(threat)]
+        notes = phrases.basis_notes(threat)[says_reason(threat) :]
+        shown += [f"{against}: {note}" if several else note for note in notes]
         exact = ", with exact inputs" if threat.sampled else ""
         shown += what_if_tables(threat, f"with a change{exact}{f', {against}' if several else ''}")
     if len(explained) < len(result.threats):
@@ -603,14 +447,10 @@ def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequenc
         parts = [(threat.threat, threat.verdict, finding(threat)) for threat in result.threats]
         parts += [("", row.verdict, phrases.requirement_words(row)) for row in result.requirements]
         rows += [(scenario.file, threat, VERDICTS[verdict], words) for threat, verdict, words in parts]
-        caveats += [(scenario.file, text) for text in phrases.said_of(result.warnings)]
+        caveats += [(scenario.file, text) for text in phrases.said_of(result.notes)]
     columns = [Column(label, prose=True) for label in ("scenario", "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
-    texts, tables = (
-        [text for text in moved if isinstance(text, str)],
-        [each for each in moved if isinstance(each, Table)],
-    )
-    sections += [ReportSection("Since the earlier check", tuple(texts), tables=tuple(tables))] if moved else []
+    sections += [section_of("Since the earlier check", moved)] if moved else []
     summary = check_summary({scenario.file: result for scenario, result in answers})
     return Report("Check of armour", summary, tuple(sections), passed=summary.good)
 
@@ -677,22 +517,17 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
     A threat that holds is skipped if no probability is required, as the model's limit alone does not pass a test.  The
-    output of a case has its numbers and the caveats about the armour against its threat.  Names of cases do not contain
-    thicknesses, velocities or angles.  `seconds` is the time of the whole check.
+    output of a case has its numbers and the caveats about the armour.  Names of cases do not contain thicknesses,
+    velocities or angles.  `seconds` is the time of the whole check.
     """
-    file, parts = scenario.file, list[tuple[str, str, str, list[str]]]()
-    for threat, given in zip(result.threats, scenario.threats(), strict=True):
-        armours = armours_of(scenario.against(given))
-        notes = [*scenario.floors, *(note for note, _ in limits_of_model(armours, [armours.materials[0].backing]))]
-        holds = "passed" if threat.required_probability is not None else "skipped"
+    file, cases, caveats = scenario.file, list[TestCase](), phrases.said_of(result.notes)
+    for threat in result.threats:
+        holds = "" if threat.required_probability is not None else "skipped"
         found = holds if threat.verdict == "passes" else "failure"
         words = f"{VERDICTS[threat.verdict]}: {finding(threat)}" + f"; {NONE_REQUIRED}" * (found == "skipped")
-        parts.append((threat.name, found, words, phrases.said_of(notes)))
+        cases.append(TestCase(file, threat.name, found, words, file=file, output=[words, *caveats]))
     for row in result.requirements:
-        words = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}"
-        parts.append((Column.of(row.quantity).label, "passed" if row.verdict == "passes" else "failure", words, []))
-    cases = [
-        TestCase(file, title, found.removeprefix("passed"), words, file=file, output=[words, *caveats])
-        for title, found, words, caveats in parts
-    ]
+        words, title = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}", Column.of(row.quantity).label
+        found = "" if row.verdict == "passes" else "failure"
+        cases.append(TestCase(file, title, found, words, file=file, output=[words]))
     return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)

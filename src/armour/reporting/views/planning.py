@@ -2,8 +2,9 @@
 
 from itertools import zip_longest
 
+from armour.errors import counted
 from armour.planning.firing import ShotPlan
-from armour.reporting.by_result import tables_of
+from armour.reporting.by_result import line_of, tables_of
 from armour.reporting.table import Column, Table, interval, percent
 from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
@@ -17,6 +18,16 @@ ONE_SIDE = (
     "next velocity is chosen to say more"
 )
 REPORT = "the posterior includes the model's prediction; report V50 from armour v50, which uses the shots alone"
+
+
+@line_of.register
+def plan_in_a_line(plan: ShotPlan) -> str:
+    """Return the next velocity, and V50 from the shots so far."""
+    following = "firing ended" if plan.next_velocity_m_s is None else f"next shot at {plan.next_velocity_m_s:.1f} m/s"
+    basis = f"after {counted(len(plan.fired.complete), 'shot')}" if plan.fired.complete else "by the prior"
+    ends = interval(plan.posterior.v50_interval_m_s, ".0f")
+    v50 = f"V50 {plan.posterior.v50_m_s:.0f} m/s, {percent(plan.confidence)} interval {ends} m/s"
+    return f"{following}; {basis} {v50}"
 
 
 @tables_of.register

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from operator import attrgetter, itemgetter
 
 from armour.analysis.estimates import Estimate
-from armour.reporting.by_result import tables_of
+from armour.errors import counted
+from armour.reporting.by_result import line_of, tables_of
 from armour.reporting.table import (
     Cell,
     Column,
@@ -64,6 +65,14 @@ def influence_table(result: UncertaintyResult) -> Table:
     )
 
 
+@line_of.register
+def uncertainty_in_a_line(result: UncertaintyResult) -> str:
+    """Return the probability of perforation at the velocity of the threat."""
+    scenario, p = result.question.get("scenario"), result.probability_of_perforation
+    at = f" at {scenario.impact.velocity_m_s:g} m/s" if scenario else ""
+    return f"perforated with a probability of {risk(1.0 - p.value)}{at}"
+
+
 @tables_of.register
 def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     """Return all tables of an uncertainty analysis, with notes."""
@@ -91,6 +100,18 @@ def elasticity_table(result: SensitivityResult) -> Table:
     return Table.of(result.inputs, inputs, Column.of("value", "g"), *of_part(attrgetter("elasticities"), *changes))
 
 
+@line_of.register
+def sensitivity_in_a_line(result: SensitivityResult) -> str:
+    """Return the input on which the first answer, the ballistic limit if there is one, depends most."""
+    answer = next((name for name, value in result.answers.items() if value is not None), "")
+    inputs = [item for item in result.inputs if item.elasticities.get(answer)]
+    if not inputs:
+        return "no answer depends on any input"
+    most = max(inputs, key=lambda item: abs(item.elasticities[answer] or 0.0))
+    words = f"the {Column.of(answer).label} depends most on the {Column.of(most.input).label}"
+    return f"{words}: {most.elasticities[answer]:+.2f} % for 1 % more"
+
+
 @tables_of.register
 def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     """Return the answers of a sensitivity analysis and their elasticities, with a note."""
@@ -99,6 +120,17 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
         none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
         answers.append((Column(Column.of(name).label), none) if value is None else (Column.of(name), value))
     return [Table.of_one(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
+
+
+@line_of.register
+def calibration_in_a_line(result: CalibrationResult) -> str:
+    """Return the number of tests and the errors of the fit."""
+    line = f"calibration to {counted(len({residual.test for residual in result.residuals}), 'test')}"
+    if result.mean_error_percent is not None:
+        line += f": mean error {result.mean_error_percent:.1f} %"
+    if result.left_out_error_percent is not None:
+        line += f", {result.left_out_error_percent:.1f} % leave-one-out"
+    return line
 
 
 def calibration_table(result: CalibrationResult) -> Table:
@@ -365,6 +397,19 @@ def requirement_verdict(result: FiringResult) -> list[str]:
 def rounded_risk(risk: float) -> str:
     """Format a risk in per cent, rounded up to a tenth."""
     return "below 0.1 %" if risk < 1e-3 else f"{rounded_up(100.0 * risk)} %"
+
+
+@line_of.register
+def firing_in_a_line(result: FiringResult) -> str:
+    """Return V50 by the recommended curve, or else the first, with its interval."""
+    fit = result.recommended or next(iter(result.fits), None)
+    if fit is None or result.extrapolated:
+        return "V50 not bounded by these shots"
+    confidence, ends = result.confidence, fit.v50_interval_m_s
+    if fit is result.recommended and None not in (result.bounded_confidence, result.bounded_interval_m_s):
+        confidence, ends = result.bounded_confidence or 0.0, result.bounded_interval_m_s or ends
+    unit = " m/s" if ends != (None, None) else ""
+    return f"V50 {fit.v50_m_s:.1f} m/s, {percent(confidence)} interval {interval(ends, '.1f')}{unit}"
 
 
 @tables_of.register

@@ -6,13 +6,21 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.evaluate import outside_of
-from armour.reporting.by_result import tables_of
+from armour.errors import counted
+from armour.reporting.by_result import line_of, tables_of
 from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
 # Largest number of rows of a sweep that a terminal shows.
 SWEEP_ROWS = 20
+
+
+@line_of.register
+def sweep_in_a_line(result: SweepResult) -> str:
+    """Return quantities, keys and the number of rows, and the file that has them."""
+    where = "" if result.output is None else f", in {result.output}"
+    return f"{', '.join(result.quantities)} over {' and '.join(result.keys)}, {counted(result.rows, 'row')}{where}"
 
 
 @tables_of.register

@@ -8,7 +8,7 @@ from armour import __version__
 from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
 from armour.evidence.tests import armours_of, limits_of_model
-from armour.reporting.by_result import drawing_of, tables_of
+from armour.reporting.by_result import drawing_of, in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number
@@ -123,7 +123,8 @@ def note_rows(checks: Sequence[Check]) -> list[tuple[str, str]]:
     return list(dict.fromkeys(notes))
 
 
-def verdict(result: SuiteResult) -> str:
+@line_of.register
+def suite_in_a_line(result: SuiteResult) -> str:
     """Return the outcome of a suite in a line, such as "9 of 10 within their bands, 1 outside"."""
     if not result.is_scored:
         return "no case is scored"
@@ -199,7 +200,7 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
         shown += ["", *(f"{name}: {note}" for name, note in notes)]
     if unscored:
         shown.append(f"not scored: {counted(len(unscored), 'case')}; --verbose shows them, and why")
-    return [*shown, VerdictLine(verdict(result), good=result.passed)]
+    return [*shown, VerdictLine(in_a_line(result), good=result.passed)]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -287,7 +288,7 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
         sections.append(origin_section(command))
     return Report(
         title=result.title or result.file,
-        lead=f"{verdict(result)[:1].upper()}{verdict(result)[1:]}.",
+        lead=f"{in_a_line(result)[:1].upper()}{in_a_line(result)[1:]}.",
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
@@ -333,7 +334,7 @@ def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[s
             words = held_to(summary)
             cases.append(TestCase(summary.name, summary.group or "RMS", kind, words, None, result.file, output=[words]))
     if not result.is_scored:
-        cases.append(TestCase(CASES, "scored", "failure", verdict(result), None, result.file))
+        cases.append(TestCase(CASES, "scored", "failure", in_a_line(result), None, result.file))
     return junit_xml([junit_suite(result.title or result.file, cases, sum(seconds), origin)])
 
 
@@ -402,6 +403,12 @@ def rule_note(result: Comparison) -> str:
     factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
     tests = f"{result.tests}, as was the model's flow stress"
     return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {tests}"
+
+
+@line_of.register
+def comparison_in_a_line(result: Comparison) -> str:
+    """Return the ballistic limit by the model."""
+    return in_a_line(result.limit)
 
 
 @tables_of.register
