@@ -11,7 +11,7 @@ from armour.files import shipped_tests
 from tools.drawings import CERAMIC, HEAD, IMAGES, PLATE, ROD, box, line, lip, text
 from tools.lessons import BLUE, BOLD, LEFT, RED, RIGHT, SMALL, curve, dot, panel, scale
 
-QUESTION = armour.load_scenario("paper/optimum_7.62mm_AP").replaced({"design.confidence": 0.95})
+QUESTION = armour.load_scenario("paper/optimum_7.62mm_AP").replaced({"design.confidence": 0.9})
 WILKINS = armour.load_scenario("wilkins")
 WORDS = 'font-size="12"'
 

@@ -12,7 +12,7 @@ from functools import cache
 
 __version__ = "2.2.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
-MODEL_VERSION = "1.6"
+MODEL_VERSION = "1.7"
 
 
 @cache

@@ -52,7 +52,7 @@ def test_the_json_of_other_commands(cli):
     assert data["model_ballistic_limit_m_s"] is None
     data = json.loads(cli("uncertainty", SCENARIOS / "uncertain.toml", "--samples", "128", "--json").stdout)
     assert data["samples"] == 128
-    assert set(data["ballistic_limit_m_s"]) == {"V05", "V50", "V95"}
+    assert list(data["limit_quantiles_m_s"]) == ["0.05", "0.5", "0.95"]
     assert [index["input"] for index in data["inputs"][:2]] == ["model.limit_error_percent", "ceramic.flow_stress_GPa"]
     data = json.loads(cli("optimise", CATALOGUE, "--json").stdout)
     assert data["best"]["ballistic_limit_m_s"] >= 850.0
@@ -91,9 +91,9 @@ def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
 
 def test_a_confidence_is_designed_for(cli):
     args = ("optimise", "paper/optimum_7.62mm_AP")
-    best = json.loads(cli(*args, "--confidence", 0.95, "--json").stdout)["best"]
+    best = json.loads(cli(*args, "--confidence", 0.9, "--json").stdout)["best"]
     [probability] = best["probabilities_of_stopping"].values()
-    assert 0.95 <= probability < 0.96
+    assert 0.9 <= probability < 0.91
     assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
 
 

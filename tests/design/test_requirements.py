@@ -214,14 +214,14 @@ SAMPLED: dict[str, Any] = {"ceramic": {"flow_stress_GPa": NARROW}}
 
 
 def test_a_sampled_probability_is_that_of_uncertainty_and_of_the_design():
-    layers = {"armour.ceramic_thickness_mm": 12.3, "armour.backing_thickness_mm": 8}
+    layers = {"armour.ceramic_thickness_mm": 10.2, "armour.backing_thickness_mm": 9.6}
     of = load_scenario(SCENARIOS / "reliable.toml", {**layers, "uncertainty.samples": 512})
     [threat] = check(of).threats
     assert threat.sampled is not None
     assert threat.verdict == "passes"
     assert threat.probability_of_stopping == 1.0 - threat.sampled.value
     assert threat.as_given().probability_of_stopping != threat.probability_of_stopping
-    assert uncertainty(of).probability_of_perforation.value == pytest.approx(threat.sampled.value, abs=5e-4)
+    assert known(uncertainty(of).probability_of_perforation).value == pytest.approx(threat.sampled.value, abs=5e-4)
 
 
 @pytest.mark.parametrize("limit", [{}, {"areal_density_max_kg_m2": 20.0}])

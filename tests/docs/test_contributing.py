@@ -11,7 +11,7 @@ from armour.analysis.quantities import OF_IMPACT, QUANTITIES
 from armour.files import read_toml, shipped_suites
 from armour.reporting.pictures.sweeps import RESIDUALS
 from armour.scenario.inputs import INPUTS, ROLES
-from armour.scenario.library import KINDS, SOURCES_KEY, STATIC, UNUSED, Entry
+from armour.scenario.library import KINDS, SCATTER_KEYS, SOURCES_KEY, STATIC, UNUSED, Entry
 from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS, Model
 from armour.units import words_and_unit
 from armour.validation.questions import QUESTIONS
@@ -67,7 +67,7 @@ def test_an_output_that_is_0_where_the_projectile_is_stopped_is_a_residual(name:
 @pytest.mark.parametrize(("role", "kind"), ROLES.items())
 def test_a_number_of_a_material_is_an_input(role: str, kind: str):
     keys = KINDS[kind].model_fields.keys() - Entry.model_fields.keys()  # type: ignore[index]
-    missing = {key for key in keys if f"{role}.{key}" not in INPUTS} - {*UNUSED, STATIC, SOURCES_KEY}
+    missing = {key for key in keys if f"{role}.{key}" not in INPUTS} - {*UNUSED, STATIC, SOURCES_KEY, *SCATTER_KEYS}
     assert missing == set(), f"keys of a {kind} that are neither in INPUTS of scenario/inputs.py nor UNUSED"
 
 

@@ -3,6 +3,7 @@ import pytest
 from scipy import stats
 
 from armour.evidence.mixture import Mixture, probability_below, quantile
+from armour.evidence.model_error import MEAN_SCATTER_PERCENT, SCATTER_FACTOR, SCATTER_PERCENT
 
 WEIGHTS, LOCATIONS = np.array([0.5, 0.2, 0.3]), np.array([6.4, 6.6, 6.7])
 SCALES, FREEDOM = np.array([0.05, 0.1, 0.03]), np.array([5.0, 1e6, 12.0])
@@ -26,6 +27,35 @@ def test_quantiles_invert_the_probability():
         above = mixture.probability_above(mixture.quantile(PROBABILITIES))
         assert 1.0 - above == pytest.approx(PROBABILITIES, abs=1e-9)
     assert THREE.quantile([0.0, 1.0]) == pytest.approx([0.0, np.inf])
+
+
+def test_a_shot_is_stopped_below_a_limit_that_scatters():
+    """By quadrature over the prior of the scatter too, for which its mean stands."""
+    z = np.linspace(-6.0, 6.0, 241)
+    density = np.exp(-0.5 * z**2) / np.exp(-0.5 * z**2).sum()
+    velocities = 665.0 * np.exp(np.linspace(-0.2, 0.2, 41))
+    scatters = 0.01 * SCATTER_PERCENT * SCATTER_FACTOR**z
+    factors = np.exp(np.outer(scatters, z))
+    for freedom, scale in ((1e6, 0.05), (19.0, 0.04), (6.0, 0.05), (4.4, 0.035)):
+        mixture = ONE._replace(degrees_of_freedom=np.array([freedom]), scales=np.array([scale]))
+        exact = [density @ mixture.probability_above(velocity / factors) @ density for velocity in velocities]
+        shots = mixture.of_shots(0.01 * MEAN_SCATTER_PERCENT).probability_above(velocities)
+        assert np.abs(shots - np.array(exact)).max() < 0.007
+
+
+def test_with_normal_limits_the_scatter_is_exact():
+    number = Mixture(np.ones(1), np.array([660.0]), np.array([30.0]), np.array([1e6]), logarithmic=False)
+    velocities = np.array([550.0, 650.0, 700.0])
+    exact = stats.norm.sf(velocities, 660.0, np.hypot(30.0, 0.025 * 660.0))
+    assert number.of_shots(0.025).probability_above(velocities) == pytest.approx(exact, abs=1e-6)
+
+
+def test_a_scatter_widens_both_sides_and_none_changes_nothing():
+    for mixture in (THREE, NARROWED):
+        assert mixture.of_shots(0.0).quantile(PROBABILITIES) == pytest.approx(mixture.quantile(PROBABILITIES))
+    shots = NARROWED.of_shots(0.03)
+    assert shots.scales == pytest.approx(np.hypot(SCALES, 0.03))
+    assert shots.scales * shots.narrowed == pytest.approx(np.hypot(SCALES * NARROWED.narrowed, 0.03))
 
 
 def test_the_density_is_the_derivative_of_the_probability():

@@ -196,9 +196,12 @@ def test_a_caveat_with_other_numbers_against_another_threat_is_told_for_each():
 
 def test_a_given_error_is_that_of_samples():
     error = ModelError(2.0, 7.0, 12.0)
-    samples = 0.02 + 0.07 * np.random.default_rng(1).standard_t(12.0, 400_000)
-    simulated = float(np.mean(889.0 * (1.0 + samples) > 850.0))
-    assert error.probability_of_stopping(889.0, 850.0) == pytest.approx(simulated, abs=0.002)
+    dice = np.random.default_rng(1)
+    samples = 0.02 + 0.07 * dice.standard_t(12.0, 400_000)
+    limits = 889.0 * (1.0 + samples)
+    assert error.probability_v50_exceeds(889.0, 850.0) == pytest.approx(float(np.mean(limits > 850.0)), abs=0.002)
+    shots = limits * (1.0 + 0.01 * error.scatter_percent * dice.standard_normal(len(limits)))
+    assert error.probability_of_stopping(889.0, 850.0) == pytest.approx(float(np.mean(shots > 850.0)), abs=0.002)
     low, high = error.interval(889.0)
     assert np.mean((889.0 * (1.0 + samples) > low) & (889.0 * (1.0 + samples) < high)) == pytest.approx(0.95, abs=0.002)
     assert error.median(889.0) == pytest.approx(1.02 * 889.0)

@@ -71,6 +71,13 @@ def test_a_law_of_the_flow_stress_has_an_effect_where_the_entry_has_it():
         assert refused([key], ceramic="law") == []
 
 
+def test_a_scatter_has_an_effect_where_a_probability_is_computed():
+    own = {"metal": {"own": {"based_on": "6061-T6", "scatter_percent": 4.0, "scatter_source": "our tails"}}}
+    keys = ["library.metal.own.scatter_percent"]
+    assert refused(keys, "design.scatter_percent", backing="own", ceramic="AD85", library=own) == []
+    assert refused(keys, backing="own", ceramic="AD85", library=own) == [NONE]
+
+
 def test_a_ceramic_that_is_not_there():
     assert refused([STRESS], ceramic_mm=0.0) == [f"must not be given if {THICKNESS} is 0"]
     assert refused([STRESS, THICKNESS], ceramic_mm=0.0) == []

@@ -6,7 +6,18 @@ from typing import Any
 import pytest
 
 from armour.errors import InputError
-from armour.scenario.library import KINDS, NOT_MODELLED, PAGE, Library, named_threats, shipped_library, threats_like
+from armour.scenario.library import (
+    IN_COMMON,
+    KINDS,
+    NOT_MODELLED,
+    PAGE,
+    TEST_RESULTS,
+    VARIED,
+    Library,
+    named_threats,
+    shipped_library,
+    threats_like,
+)
 from armour.scenario.scenario import load_scenario, parse_scenario, scenario_schema
 from tests.helpers.cases import data
 
@@ -94,8 +105,8 @@ def test_every_mistake_in_the_tables_is_reported():
         'f.toml: ceramic.X.densty_kg_m3: unknown key; did you mean "density_kg_m3"?',
         "f.toml: metal.Y.density_kg_m3: must be at least 100, found 7.85",
         "f.toml: metal.Z.colour_mm: unknown key; choose from description, based_on, aliases, doubtful, evidence, "
-        "density_kg_m3, static_yield_strength_MPa, dynamic_yield_strength_MPa, flow_stress_GPa, shear_strength_MPa, "
-        "ultimate_tensile_strength_MPa, strain_to_fracture",
+        "scatter_percent, scatter_source, density_kg_m3, static_yield_strength_MPa, dynamic_yield_strength_MPa, "
+        "flow_stress_GPa, shear_strength_MPa, ultimate_tensile_strength_MPa, strain_to_fracture",
         'f.toml: metall: unknown key; did you mean "metal"?',
         # Not what X and Y lack, which have a wrong value.
         *(
@@ -104,6 +115,38 @@ def test_every_mistake_in_the_tables_is_reported():
         ),
         'f.toml: metal.N.based_on: must name a metal of the library, found "Qq"; armour library lists them',
     ]
+
+
+def firing(stopped: int, perforated: int, thicknesses: int = 1) -> dict[str, object]:
+    """Return own tests of a bare plate: shots, at plates of one or several thicknesses in turn."""
+    sides = [1.0] * stopped + [-1.0] * perforated
+    columns = {key: [1.0] * len(sides) for key in (*VARIED, *IN_COMMON, *TEST_RESULTS)}
+    ratios = [1.0 + place % thicknesses for place in range(len(sides))]
+    return {"tests": {**columns, "backing_thickness_ratio": ratios, "side": sides}}
+
+
+def test_a_small_scatter_needs_an_own_firing():
+    def tables(evidence: dict[str, object] | None, percent: float = 1.2) -> dict[str, object]:
+        scatter = {"scatter_percent": percent, "scatter_source": "our firing"}
+        given = {} if evidence is None else {"evidence": evidence}
+        return {"metal": {"m": {"based_on": "6061-T6", **scatter, **given}}}
+
+    words = (
+        "f.toml: metal.m.scatter_percent: must be at least 2.5, or be given in an entry of the library with an own "
+        "firing of 36 shots or more with both results, found 1.2"
+    )
+    for allowed in (tables(firing(18, 18)), tables(None, 2.5)):
+        assert extended(allowed).entry("metal", "m").scatter_percent in (1.2, 2.5)
+    for evidence in (None, firing(36, 0), firing(18, 17), firing(20, 20, 2)):
+        assert messages(tables(evidence)) == [words]
+
+
+def test_an_entry_inherits_a_scatter_with_its_source():
+    scatter = {"scatter_percent": 4.0, "scatter_source": "our tails"}
+    own = extended({"metal": {"a": {"based_on": "6061-T6", **scatter}, "b": {"based_on": "a"}}}).entry("metal", "b")
+    assert (own.scatter_percent, own.scatter_source) == (4.0, "our tails")
+    [message] = messages({"metal": {"a": {"based_on": "6061-T6", "scatter_percent": 4.0}}})
+    assert message == "f.toml: metal.a: must have scatter_percent and scatter_source, or neither"
 
 
 def test_what_an_entry_of_a_scenario_lacks_is_reported_beside_unknown_keys():

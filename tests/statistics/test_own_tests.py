@@ -109,6 +109,41 @@ def test_against_a_round_that_was_not_fired_the_interval_is_wider():
     assert widths[1] > 1.1 * widths[0]
 
 
+def greatest_probability(
+    case: Scenario, ceramic_mm: float, backing_mm: float, projectile: str = "7.62 mm B32"
+) -> float:
+    changes = {CERAMIC: ceramic_mm, BACKING: backing_mm, "impact.projectile": projectile}
+    return known(confidence(case.replaced(changes)).model_error).greatest_probability
+
+
+def test_own_tests_lift_the_bound_on_the_probability_as_far_as_they_reach():
+    """Of a ceramic without shipped tests, one test made an armour twice as thick stop with above 99 % (A15)."""
+    case = very(VERY_TESTS[0])
+    assert greatest_probability(case, 8.0, 6.5) == 1.0
+    for ceramic_mm, backing_mm in ((15.9, 6.5), (8.0, 12.9), (15.9, 12.9)):
+        assert greatest_probability(case, ceramic_mm, backing_mm) == pytest.approx(0.83, abs=2e-3)
+    assert greatest_probability(case, 8.8, 6.5) == pytest.approx(0.976, abs=1e-3)
+
+
+def test_own_tests_against_another_round_do_not_lift_the_bound():
+    diameter_mm = WILKINS.core_armour().D0 * 1e3
+    rows = (f"{thickness},{diameter_mm},{limit}" for thickness, limit in ((12.0, 1060), (13.0, 1110)))
+    of_ad85 = WILKINS.replaced({BACKING: 7.0})
+    case = scenario_of(
+        table_of(of_ad85, f"{CERAMIC},projectile.penetrator_diameter_mm,ballistic_limit_m_s", *rows),
+        of_ad85,
+        FLOW_STRESS,
+    )
+    own = known(of_ad85.impact.projectile)
+    far = greatest_probability(of_ad85, 12.5, 7.0, own)
+    assert far == pytest.approx(1.0 - 0.1 * np.log(12.5 / diameter_mm / 1.21) / np.log(1.5))
+    assert greatest_probability(case, 12.5, 7.0, own) == 1.0
+    assert greatest_probability(case, 13.65, 7.0, own) == pytest.approx(1.0 - 0.1 * np.log(1.05) / np.log(1.5), 1e-6)
+    assert greatest_probability(case, 7.0, 7.0, own) == 1.0
+    other = case.replaced({"projectile.penetrator_mass_g": 5.0})
+    assert greatest_probability(other, 12.5, 7.0, own) == pytest.approx(far)
+
+
 def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
     case = very(*VERY_TESTS)
     answers = [confidence(case).model_error, check(case).threats[0].model_error]

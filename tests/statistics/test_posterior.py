@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm, norm, t
 
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.statistics.posterior import (
-    SCATTER_FACTOR,
-    SCATTER_PERCENT,
     FiringPrior,
     learned,
     pooled_scatter,

@@ -11,11 +11,13 @@ from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import evaluate
 from armour.analysis.samples import Samples, columns_of, points_of
 from armour.analysis.variants import variants_of
+from armour.design.check import check
 from armour.errors import InputError, NoLimitError
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty, correlation_matrix
 from armour.statistics import uncertainty as module
 from armour.statistics.uncertainty import (
+    QUANTILES,
     probability_curve,
     quantile,
     sample_limits,
@@ -67,10 +69,12 @@ def test_independent_samples_agree_within_the_interval(
     result = uncertainty(uncertain.replaced({"uncertainty.method": method, "uncertainty.samples": 2048}))
     hits, limits = sampled
     chance: Any = stats.binomtest(hits, 16_384).proportion_ci()
-    assert result.probability_of_perforation.low < chance.high
-    assert result.probability_of_perforation.high > chance.low
-    for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
-        estimate = result.ballistic_limit_m_s[name]
+    assert result.probability_of_perforation is None
+    alone = known(result.perforated_by_distributions)
+    assert alone.low < chance.high
+    assert alone.high > chance.low
+    for part in QUANTILES:
+        estimate = result.limit_quantiles_m_s[str(part)]
         independent: Any = stats.quantile_test(limits, p=part).confidence_interval()
         assert estimate.low < independent.high
         assert estimate.high > independent.low
@@ -97,10 +101,14 @@ def test_the_error_of_the_model_is_an_input():
     error = known(result.model_error)
     assert result.deterministic_m_s == pytest.approx(723.77, abs=0.01)
     exact = 1.0 - error.probability_of_stopping(result.deterministic_m_s, 700.0)
-    assert result.probability_of_perforation.value == pytest.approx(exact, abs=0.002)
-    for name, part in (("V05", 0.05), ("V50", 0.5), ("V95", 0.95)):
-        limit, estimate = result.deterministic_m_s * (1.0 + error.quantile(part)), result.ballistic_limit_m_s[name]
+    assert known(result.probability_of_perforation).value == pytest.approx(exact, abs=0.002)
+    for part in QUANTILES:
+        limit = result.deterministic_m_s * (1.0 + error.quantile(part))
+        estimate = result.limit_quantiles_m_s[str(part)]
         assert estimate.low < limit < estimate.high
+    velocities = np.array(result.curve.velocity_m_s)
+    curve = 1.0 - error.probability_of_stopping(result.deterministic_m_s, velocities)
+    assert np.abs(np.array(result.curve.probability) - curve).max() < 0.01
     [index] = result.inputs
     assert index.input == "model.limit_error_percent"
     assert index.limits_m_s == pytest.approx([723.77 * (1.0 + error.quantile(p)) for p in (0.05, 0.95)], abs=0.01)
@@ -122,7 +130,7 @@ def test_samples_by_several_laws_are_the_mixture():
     case = scenario(velocity=724.0, uncertainty={"samples": 256, "ceramic": {"flow_stress_GPa": normal}})
     values = stats.norm(5.2, 0.13).ppf((np.arange(50) + 0.5) / 50)
     [exact] = evaluate(case, {"ceramic.flow_stress_GPa": values}, ["probability_of_stopping"]).values()
-    assert 1.0 - exact.mean() == pytest.approx(uncertainty(case).probability_of_perforation.value, abs=0.004)
+    assert 1.0 - exact.mean() == pytest.approx(known(uncertainty(case).probability_of_perforation).value, abs=0.004)
 
 
 def test_the_effect_of_an_input_is_that_of_changed_scenarios(uncertain: Scenario):
@@ -143,6 +151,29 @@ def test_an_unknown_error_is_told():
     unknown = "uncertainty.model: the model error is not known for such an armour, and not included"
     assert unknown in result.warnings
     assert [index.input for index in result.inputs] == ["ceramic.flow_stress_GPa"]
+    assert (result.probability_of_perforation, result.curve.probability) == (None, None)
+    assert list(next(iter(result))) == ["velocity_m_s", "by_distributions", "low", "high"]
+    assert 0.0 <= known(result.perforated_by_distributions).value <= 1.0
+
+
+@pytest.mark.parametrize("case", [{"ceramic": "SiC"}, {}, {"ceramic": None, "ceramic_mm": 0.0, "backing_mm": 25.0}])
+def test_the_probability_is_known_where_check_knows_it(case: dict[str, Any]):
+    normal = {"distribution": "normal", "standard_deviation_percent": 1.0}
+    section = {"uncertainty": {"samples": 128, "projectile": {"penetrator_mass_g": normal}}}
+    of = scenario(**case, velocity=700.0, **section, design={"probability_of_stopping": 0.9})
+    [threat], found = check(of).threats, uncertainty(of)
+    if threat.probability_of_stopping is None:
+        assert (found.probability_of_perforation, found.curve.probability) == (None, None)
+    else:
+        perforated = known(found.probability_of_perforation)
+        assert threat.probability_of_stopping == pytest.approx(1.0 - perforated.value, abs=1e-3)
+        assert (found.perforated_by_distributions, found.curve.by_distributions) == (None, None)
+
+
+def test_beyond_the_tested_thicknesses_the_probability_is_bounded():
+    found = uncertainty(scenario(ceramic_mm=12.0, backing_mm=8.0, velocity=600.0, uncertainty={"samples": 128}))
+    least = 1.0 - known(found.model_error).greatest_probability
+    assert known(found.probability_of_perforation).value == min(known(found.curve.probability)) == least > 0.1
 
 
 def test_only_the_velocity():
@@ -150,7 +181,7 @@ def test_only_the_velocity():
         with_section(impact={"velocity_m_s": {"distribution": "uniform", "min": 713.77, "max": 743.77}}, samples=1024)
     )
     assert result.inputs == ()
-    assert result.probability_of_perforation.value == pytest.approx(2.0 / 3.0, abs=0.003)
+    assert known(result.perforated_by_distributions).value == pytest.approx(2.0 / 3.0, abs=0.003)
     assert result.standard_deviation_m_s == 0.0
 
 
@@ -171,11 +202,11 @@ def test_the_interval_of_a_quantile_from_few_samples():
 
 
 def test_the_band_of_the_curve():
-    curve = probability_curve(np.random.default_rng(1).normal(700.0, 20.0, 2000))
+    curve = probability_curve(np.random.default_rng(1).normal(700.0, 20.0, 2000), 1.0)
     truth = stats.norm(700.0, 20.0).cdf(curve.velocity_m_s)
     inside = (np.array(curve.low) <= truth) & (truth <= np.array(curve.high))
     assert inside.mean() > 0.9
-    assert (curve.probability[0], curve.probability[-1]) == (0.0, 1.0)
+    assert known(curve.probability)[:: len(curve.velocity_m_s) - 1] == (0.0, 1.0)
     assert curve.low[0] == 0.0
     assert curve.high[-1] == 1.0
 

@@ -15,12 +15,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtr
 from scipy.stats import t
 
 from armour.analysis.variants import Bools, Floats
 from armour.evidence.fit import CONSTRAINT, USUAL_MASS_RATIO
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import DOUBTED
+from armour.evidence.model_error import DOUBTED, MEAN_SCATTER_PERCENT
+from armour.evidence.tests import FARTHEST_BARE
 from armour.reporting.pictures.drawing import BLUE, PANEL, RULE, VERMILION, Picture, Sheet, drawn, points, saved
 from tools.campaigns.verdict import verdict
 from tools.evidence import (
@@ -47,10 +49,17 @@ NAMES = {
 }
 # Densities of AD85 and 6061-T6, g/cm3.
 DENSITIES = np.array([3.43, 2.75])
-# Part of the tests at each end of a range that is left out.
-END = 0.15
+# Parts of the tests at each end of a range that are left out; of the strength, only the first.
+ENDS = {"15 %": 0.15, "third": 1.0 / 3.0}
+# Logarithm of the factor beyond the thicknesses tested up to which a probability of bare plates is known.
+KNOWN = float(np.log(FARTHEST_BARE))
+# Greatest differences of velocities from the measured limit, per cent; scatters of shots, per cent, and probabilities
+# of stopping one that are stated.
+AWAY, SCATTERS, STATED = (5, 10, 20), (1.0, 2.0, 4.0), (0.8, 0.9, 0.95, 0.99)
 # Probabilities of stopping that are asked for.
 ASKED = (0.95, 0.9, 0.8)
+# The rules by which an armour is called stopped or perforated, and what is wrong by them.
+RULES, SHARES = ("expected", "model"), ("stopped, perforates", "perforated, stops", "wrong")
 # Least tests of a band that is listed.
 LEAST = 25
 # Least share of the tests of a group that must lie within their 95 % intervals.
@@ -197,18 +206,50 @@ def beyond_the_limit(name: str, found: Predicted) -> Iterator[list[str]]:
             yield [NAMES[name], f"{100.0 * probability:.0f}", f"{count}", f"{held}", f"{100.0 * held / count:.0f}"]
 
 
+def called(name: str, found: Predicted) -> Iterator[list[str]]:
+    """Give what a shot does at armours that are called stopped and perforated, at velocities near their limits.
+
+    The rules are the expected limit and the limit by the model; the scatter of shots is that which is assumed.
+    """
+    for away in AWAY:
+        # Logarithms of evenly spaced velocities over the measured limit; and the chance that a shot perforates.
+        u = np.log1p(0.01 * np.linspace(-away, away, 401))
+        perforates = ndtr(100.0 * u / MEAN_SCATTER_PERCENT)
+        cells = []
+        for limit in (found.location, np.zeros_like(found.location)):
+            stopped = u <= (limit - found.error)[:, None]
+            chances = np.broadcast_to(perforates, stopped.shape)
+            wrong = np.where(stopped, chances, 1.0 - chances)
+            cells += [chances[stopped].mean(), 1.0 - chances[~stopped].mean(), wrong.mean()]
+        yield [NAMES[name], f"{away}", *(f"{100.0 * cell:.0f}" for cell in cells)]
+
+
+def shots(name: str, found: Predicted) -> Iterator[list[str]]:
+    """Give the shares of shots stopped at the velocities that are stated to be stopped with a probability."""
+    ones = np.ones((1, len(found.location)))
+    location, scale, freedom = (column[None] for column in found[1:])
+    limits = Mixture(ones, location, scale, freedom).of_shots(0.01 * MEAN_SCATTER_PERCENT)
+    for stated in STATED:
+        velocities = np.log(limits.quantile(np.full(len(found.location), 1.0 - stated)))
+        shares = (ndtr(100.0 * (found.error - velocities) / scatter).mean() for scatter in SCATTERS)
+        yield [NAMES[name], f"{100.0 * stated:.0f}", *(f"{100.0 * share:.1f}" for share in shares)]
+
+
 def ends(name: str) -> Iterator[list[str]]:
     """Give the coverage of the tests at the ends of a range that are left out."""
     group = GROUPS[name]
     plates = plates_of(group.kind, group.metal)
     for column, words in (("backing_thickness_ratio", "thickness"), ("backing_strength_GPa", "strength")):
         values = plates.quantities[column]
-        low, high = np.quantile(values, (END, 1.0 - END))
-        for end, out in (("least", values <= low), ("greatest", values >= high)):
-            if len(np.unique(plates.alloy[~out])) <= len(group.terms):
-                continue
-            found = left_out(group, plates, [out])
-            yield [NAMES[name], f"{end} {words}", *found.row()]
+        for part, share in ENDS.items() if words == "thickness" else [*ENDS.items()][:1]:
+            low, high = np.quantile(values, (share, 1.0 - share))
+            for end, out in (("least", values <= low), ("greatest", values >= high)):
+                if len(np.unique(plates.alloy[~out])) <= len(group.terms):
+                    continue
+                found, rest = left_out(group, plates, [out]), values[~out]
+                near = abs(np.log(values[out] / values[out].clip(rest.min(), rest.max()))) <= KNOWN
+                known = f"{found.at(near).above(0.95):.0f}" if words == "thickness" else ""
+                yield [NAMES[name], f"{end} {words}, {part}", *found.row(), known]
 
 
 def series() -> Iterator[list[str]]:
@@ -281,12 +322,16 @@ def main() -> int:
     of_bands: list[list[str]] = []
     of_ends: list[list[str]] = []
     of_limits: list[list[str]] = []
+    of_calls: list[list[str]] = []
+    of_shots: list[list[str]] = []
     within: list[float] = []
     for name in NAMES:
         plates, found, rows = study(name)
         methods += rows
         within.append(found.within(0.95))
         of_limits += beyond_the_limit(name, found)
+        of_calls += called(name, found)
+        of_shots += shots(name, found)
         if name != "cores_aluminium":
             of_bands += bands(name, plates, found)
             of_ends += ends(name)
@@ -300,7 +345,9 @@ def main() -> int:
         table(("tests of", "method", *numbers), methods),
         table(("tests of", "property", "band", "tests", "within 95", "95 true", "stated", "observed"), of_bands),
         table(("tests of", "probability, %", "tests", "stopped", "stopped, %"), of_limits),
-        table(("tests of", "left out", *numbers), of_ends),
+        table(("tests of", "within, %", *(f"{rule}: {share}" for rule in RULES for share in SHARES)), of_calls),
+        table(("tests of", "stated, %", *(f"scatter {scatter:g} %" for scatter in SCATTERS)), of_shots),
+        table(("tests of", "left out", *numbers, "95 true, known"), of_ends),
         table(
             ("plate", "round", "thickness, mm", "angle, degrees", "limit, m/s", "at 0 degrees, m/s", "more, %"), angles
         ),

@@ -15,7 +15,7 @@ from armour.analysis.samples import by_laws, columns_of, own_errors, own_values,
 from armour.analysis.variants import ballistic_limits
 from armour.scenario.inputs import ERROR
 from armour.scenario.scenario import Scenario, load_scenario
-from armour.statistics.uncertainty import SAMPLES_AT_A_TIME, V_P, sample_limits, uncertainty
+from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
 from tools.experiments.share import Share
 
 SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
@@ -45,18 +45,19 @@ def truths(scenario: Scenario) -> dict[str, float]:
         del columns[ERROR]
         exact = sampled(scenario, columns, count).variants
         for law, [weight] in enumerate(errors.ratio.weights.tolist()):
-            of_law = errors.of_law(law).times(ballistic_limits(by_laws(exact, errors, np.full(count, law))))
+            of_law = errors.of_shots.of_law(law).times(ballistic_limits(by_laws(exact, errors, np.full(count, law))))
             stopping[part] += weight * of_law.probability_above(exact.velocities)
     found = {"probability": float(1.0 - stopping.mean()), "mean": float(limits.mean())}
-    return found | {name: float(np.quantile(limits, chance)) for name, chance in V_P.items()}
+    return found | {str(chance): float(np.quantile(limits, chance)) for chance in QUANTILES}
 
 
 def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
     """Yield the same quantities by `uncertainty`."""
     result = uncertainty(scenario)
+    assert result.probability_of_perforation is not None
     yield "probability", result.probability_of_perforation
     yield "mean", Estimate(result.mean_m_s, *result.mean_interval_m_s)
-    yield from result.ballistic_limit_m_s.items()
+    yield from result.limit_quantiles_m_s.items()
 
 
 def shares(seeds: int, first: int) -> Iterator[Share]:

@@ -19,8 +19,8 @@ from armour.errors import InputError, NoLimitError, Note
 from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Floats, Mixture
-from armour.evidence.model_error import ModelError, error_of, other_settings
-from armour.evidence.tests import is_untested, scenario_warnings
+from armour.evidence.model_error import ModelError, error_of, other_settings, scatter_of
+from armour.evidence.tests import is_untested, materials_of, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -51,7 +51,8 @@ class NeededFlowStress:
         Probability of stopping the threat that is required.
     needed_for_probability_GPa : float or None
         Flow stress above which, moreover, the probability of stopping the threat is always at least `probability`,
-        with the model error of AD85 with a constant flow stress, GPa; None if 100 GPa is too little.
+        with the model error of AD85 with a constant flow stress and the scatter of shots, GPa; None if 100 GPa is too
+        little.
     sources_GPa : tuple of float
         Least and greatest flow stress that sources give, GPa, or one number, or none.
     limits_m_s : tuple of float
@@ -89,7 +90,9 @@ def needed_flow_stress(
     if is_no_metal(core.rho_B) or is_long_rod(core) or other_settings(scenario):
         return None
     probability, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
-    likely_m_s = scenario.impact.velocity_m_s / float(constant_law_error().quantile(1.0 - probability))
+    percent, _ = scatter_of(scenario, materials_of(scenario), bare=False)
+    shots = constant_law_error().of_shots(percent / 100.0)
+    likely_m_s = scenario.impact.velocity_m_s / float(shots.quantile(1.0 - probability))
     return NeededFlowStress(
         ceramic.name,
         _needed(scenario, required_m_s),
@@ -350,8 +353,8 @@ class ConfidenceResult(Result):
     Attributes
     ----------
     probability_of_stopping : float or None
-        Probability that the ballistic limit of the armour exceeds the impact velocity; None if it is not known.
-        Where no velocity perforates, it is a lower bound, given if it exceeds 0.995.
+        Probability that the armour stops a shot at the impact velocity; None if it is not known.  Where no velocity
+        perforates, it is a lower bound, given if it exceeds 0.995.
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none from 20 to 10,000 m/s.
     model_error : ModelError or None
@@ -368,6 +371,9 @@ class ConfidenceResult(Result):
         Probability at 0 degrees, if an armour with a ceramic is hit at an angle and the probability there is not known.
     flow_stress : NeededFlowStress or None
         Flow stress with which a ceramic without tests stops the threat; None for other armours.
+    probability_v50_exceeds_velocity : float or None
+        Probability that the ballistic limit of the armour, V50, exceeds the impact velocity: without the scatter of
+        shots; None if this is not known.
     """
 
     probability_of_stopping: float | None
@@ -379,6 +385,7 @@ class ConfidenceResult(Result):
     interval_m_s: tuple[float, float] | None = None
     probability_at_normal_incidence: float | None = None
     flow_stress: NeededFlowStress | None = None
+    probability_v50_exceeds_velocity: float | None = None
 
 
 @checked
@@ -416,8 +423,14 @@ def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> C
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason)
     if error is not None:
-        interval = error.interval(limit)
-        return ConfidenceResult(probability, limit, error, median_m_s=error.median(limit), interval_m_s=interval)
+        return ConfidenceResult(
+            probability,
+            limit,
+            error,
+            median_m_s=error.median(limit),
+            interval_m_s=error.interval(limit),
+            probability_v50_exceeds_velocity=float(error.probability_v50_exceeds(limit, row.velocities[0])),
+        )
     at_normal = None
     if row.scenario.impact.obliquity_deg and row.scenario.armour.ceramic_thickness_mm:
         at_normal = confidence_in(row_of(row.scenario.replaced({OBLIQUITY: 0.0}))).probability_of_stopping
@@ -441,18 +454,22 @@ def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | Non
 
 
 def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
-    """Return the probability that an armour stops the projectile at its impact velocity; None if it is not known.
+    """Return the probability that an armour stops a shot at its impact velocity; None if it is not known.
 
     An error without a limit means that no velocity up to 10,000 m/s perforates.  The probability for a limit of
     10,000 m/s is then a lower bound, returned if it exceeds 0.995.
     """
-    velocity = scenario.impact.velocity_m_s
+    by_tests = probability_by_tests(scenario, limit_m_s, error)
+    return by_tests if by_tests is None or error is None else min(by_tests, error.greatest_probability)
+
+
+def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+    """Return this probability without its upper bound, `greatest_probability` of the model error."""
     if error is None:
         return None
-    if limit_m_s is not None:
-        return float(error.probability_of_stopping(limit_m_s, velocity))
-    lower_bound = float(error.probability_of_stopping(FASTEST_M_S, velocity))
-    return lower_bound if lower_bound > SURE else None
+    limit = FASTEST_M_S if limit_m_s is None else limit_m_s
+    probability = float(error.of_shots.probability_above(scenario.impact.velocity_m_s / limit))
+    return probability if limit_m_s is not None or probability > SURE else None
 
 
 def no_error(scenario: Scenario) -> str:

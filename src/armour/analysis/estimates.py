@@ -31,6 +31,10 @@ class Estimate:
     low: float
     high: float
 
+    def at_least(self, least: float) -> "Estimate":
+        """Return the estimate of a number that is at least `least`."""
+        return Estimate(max(self.value, least), max(self.low, least), max(self.high, least))
+
 
 def proportion(hits: int, samples: int) -> Estimate:
     """Estimate a proportion, with the Clopper-Pearson confidence interval [Clopper1934]."""

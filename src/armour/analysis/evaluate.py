@@ -223,8 +223,9 @@ class QuantityValues:
 
     @property
     def probabilities_of_stopping(self) -> Floats:
-        """Probabilities of stopping the projectile, given the model error."""
-        return self.variants.limit_distributions(self.ballistic_limits).probability_above(self.variants.velocities)
+        """Probabilities of stopping a shot, given the model error and the scatter of shots."""
+        by_tests = self.variants.shot_distributions(self.ballistic_limits).probability_above(self.variants.velocities)
+        return np.minimum(by_tests, self.variants.errors.greatest)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return warnings that the outcome changes more than once, each with the number of rows concerned."""

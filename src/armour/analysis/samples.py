@@ -34,8 +34,9 @@ SAMPLES_OF_ONE_PASS = 2**12
 class Samples(NamedTuple):
     """n samples of the uncertain inputs."""
 
-    variants: Variants  # velocities are divided by `factor`: the model perforates if the armour is perforated
+    variants: Variants  # velocities are divided by `of_shots`: the model perforates if a shot perforates the armour
     factor: Any  # ballistic limit of the armour divided by that of the model, (n,) or a number
+    of_shots: Any = 1.0  # velocity below which a shot is stopped divided by that limit
 
 
 def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> ErrorRows:
@@ -85,8 +86,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
 
     `columns` has an array, (count,), by name of input.  If it has a column `ERROR` of probabilities, each of these
     draws a model error for its sample: a law of the flow stress, and a factor, which is the armour's ballistic limit
-    over the model's by this law.  The armour is perforated if the model perforates at the impact velocity divided by
-    the factor.
+    over the model's by this law.  It also draws the velocity below which a shot is stopped.
     """
     problems = []
     inputs = {name: values for name, values in columns.items() if name != ERROR}
@@ -99,9 +99,10 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
         return Samples(variants, 1.0)
     errors = own_errors(scenario)
     law, factor = errors.ratio.one().drawn(columns[ERROR])
-    factor = factor.clip(min=LEAST_RATIO)
+    _, of_shots = errors.of_shots.ratio.one().drawn(columns[ERROR])
+    factor, of_shots = factor.clip(min=LEAST_RATIO), of_shots.clip(min=LEAST_RATIO)
     variants = by_laws(variants, errors, law)
-    return Samples(variants._replace(velocities=variants.velocities / factor), factor)
+    return Samples(variants._replace(velocities=variants.velocities / of_shots), factor, of_shots)
 
 
 def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
@@ -275,7 +276,7 @@ def _chances(rows: Variants, errors: ErrorRows) -> Floats:
     for law, [weight] in enumerate(errors.ratio.weights.tolist()):
         if weight > 0.0:
             limits = by_laws(rows, errors, np.full(len(stopping), law)).limits_anywhere()
-            stopping += weight * errors.of_law(law).times(limits).probability_above(rows.velocities)
+            stopping += weight * errors.of_shots.of_law(law).times(limits).probability_above(rows.velocities)
     return 1.0 - stopping
 
 

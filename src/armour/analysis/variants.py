@@ -170,6 +170,14 @@ class Variants(_Rows):
         errors = self.errors
         return errors.ratio.times(self.limits_by_law(errors, limits))
 
+    def shot_distributions(self, limits: Floats) -> Mixture:
+        """Return the distributions of the velocities below which n armours stop a shot; argument as above.
+
+        They give higher probabilities than those that are stated, `ErrorRows.greatest`.
+        """
+        errors = self.errors
+        return errors.of_shots.ratio.times(self.limits_by_law(errors, limits))
+
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
         """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
 
@@ -398,12 +406,18 @@ def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition
 
 
 def least_values_mm(
-    stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats, points: int = DENSE_SCAN_POINTS
+    stops: RowCondition,
+    is_unusual: RowCondition,
+    low: Floats,
+    high: Floats,
+    points: int = DENSE_SCAN_POINTS,
+    fails: RowCondition | None = None,
 ) -> Thinnest:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
     Bisection assumes that the outcome changes once at most.  Rows that are unusual, at the thickness found or by their
-    other quantities if none is found, are scanned at `points` thicknesses instead.
+    other quantities if none is found, are scanned at `points` thicknesses instead.  `fails` tells which thicknesses are
+    known to be perforated, by default all that do not stop the threat.
     """
     rows = np.arange(len(low))
     least = np.where(stops(low, rows), low, np.nan)
@@ -419,5 +433,7 @@ def least_values_mm(
         first, numbers = stopped.argmax(axis=1), np.arange(len(rows))
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
         least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
-        changes_again[rows] = (stopped[:, :-1] > stopped[:, 1:]).any(axis=1)
+        row, place = np.nonzero(stopped[:, :-1] & ~stopped[:, 1:])
+        again = np.ones(len(row), dtype=bool) if fails is None else fails(values[row, place + 1], rows[row])
+        changes_again[rows[row[again]]] = True
     return Thinnest(least, changes_again)

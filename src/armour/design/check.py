@@ -10,6 +10,7 @@ from armour.analysis.ballistic_limit import (
     confidence_in,
     limit_and_error,
     needed_flow_stress,
+    probability_by_tests,
     probability_of_stopping,
 )
 from armour.analysis.estimates import Estimate
@@ -43,7 +44,7 @@ class WhatIf:
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     probability_of_stopping : float or None
-        Probability that the armour stops the projectile; None if it is not known.
+        Probability that the armour stops a shot; None if it is not known.
     """
 
     change: str
@@ -70,7 +71,7 @@ class CheckedThreat:
     margin_m_s, required_margin_m_s : float
         Excess of the ballistic limit over the velocity, m/s, None without a limit; and the required excess.
     probability_of_stopping, required_probability : float or None
-        Probability that the armour stops the projectile, None if unknown; and the required one, None if there is none.
+        Probability that the armour stops a shot, None if unknown; and the required one, None if there is none.
     reason : str
         Reason why the probability is not known.
     probability_at_normal_incidence : float or None
@@ -92,6 +93,9 @@ class CheckedThreat:
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
     name : str
         Name of the threat without its numbers, as it stays if only these change.
+    probability_v50_exceeds_velocity : float or None
+        Probability that the ballistic limit of the armour, V50, exceeds the velocity, without the scatter of shots and
+        for exact inputs; None if it is not known.
     """
 
     threat: str
@@ -114,6 +118,7 @@ class CheckedThreat:
     sampled: Estimate | None = None
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
     name: str = ""
+    probability_v50_exceeds_velocity: float | None = None
 
     def as_given(self) -> WhatIf:
         """Return the armour without a change; its probability of stopping is that with exact inputs."""
@@ -270,7 +275,8 @@ def _checked(
     row, section = row_of(against), against.design or DesignSection()
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
-    probability, sampled = result.probability_of_stopping, None
+    probability, sampled = probability_by_tests(against, limit, error), None
+    greatest = 1.0 if error is None else error.greatest_probability
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
@@ -287,6 +293,7 @@ def _checked(
             probability,
             sampled,
             stops=not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
+            greatest=greatest,
         )
     )
     what_ifs = []
@@ -309,7 +316,7 @@ def _checked(
         interval_m_s=result.interval_m_s,
         margin_m_s=None if limit is None else limit - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
-        probability_of_stopping=probability,
+        probability_of_stopping=None if probability is None else min(probability, greatest),
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
@@ -318,9 +325,10 @@ def _checked(
         verdict=verdict_of(row.verdict for row in requirements),
         what_ifs=tuple(what_ifs),
         requirements=requirements,
-        sampled=sampled,
+        sampled=sampled and sampled.at_least(1.0 - greatest),
         outside_tests=outside_tests(row.armours, row.velocities)[0],
         name=threat.round_name,
+        probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )
 
 

@@ -52,7 +52,7 @@ class Required(NamedTuple):
 
     limits_m_s: Floats  # least ballistic limits by the model; 0 where a probability alone decides
     bounds: Floats  # greatest probabilities of perforation, given the model error; 1 if none is required or known
-    unknown: Bools  # whether a required probability is not known, or a layer lies between tile and plate
+    unknown: Bools  # whether a required probability is not known or not stated, or a layer is between tile and plate
 
 
 def required_of(catalogue: Catalogue, rows: Variants) -> Required:
@@ -64,11 +64,13 @@ def required_of(catalogue: Catalogue, rows: Variants) -> Required:
     count = len(rows.velocities) // len(catalogue.threats)
     bounded = np.tile(catalogue.bounds < NO_BOUND, count)
     bounds, margins = np.tile(catalogue.exact_bounds, count), np.tile(catalogue.margins_m_s, count)
-    known = bounded.copy()
+    stated = known = bounded.copy()
     if catalogue.bounded:
-        known &= rows.errors.known
+        errors = rows.errors
+        known = bounded & errors.known
+        stated = known & (1.0 - np.tile(catalogue.bounds, count) <= errors.greatest)
     limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
-    unknown = (bounded & ~known) | (catalogue.scenario.interlayers > 0)
+    unknown = (bounded & ~stated) | (catalogue.scenario.interlayers > 0)
     return Required(limits, np.where(known, bounds, 1.0), unknown)
 
 
@@ -113,14 +115,14 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
     for law, weights in enumerate(errors.ratio.weights):
         used = np.flatnonzero(weights > 0.0)
         with np.errstate(divide="ignore"):
-            velocities = rows.velocities / errors.of_law(law).quantile(bounds).clip(min=0.0)
+            velocities = rows.velocities / errors.of_shots.of_law(law).quantile(bounds).clip(min=0.0)
         by_law = rows.by_law(law, errors) if law else rows
         is_stopped = stopped(by_law._replace(velocities=velocities).at(used), runs)
         by_any[used] |= is_stopped
         by_all[used] &= is_stopped
     within, undecided = by_any & by_all, np.flatnonzero(by_any & ~by_all)
     rows = rows.at(undecided)
-    distributions = rows.limit_distributions(rows.limits_anywhere(runs))
+    distributions = rows.shot_distributions(rows.limits_anywhere(runs))
     within[undecided] = distributions.probability_above(rows.velocities) >= 1.0 - bounds[undecided]
     return within
 
@@ -135,7 +137,7 @@ def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> Floats:
     slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
     bounded = np.flatnonzero(required.bounds < 1.0)
     if len(bounded):
-        distributions = rows.at(bounded).limit_distributions(limits[bounded])
+        distributions = rows.at(bounded).shot_distributions(limits[bounded])
         slack_by_error = distributions.quantile(required.bounds[bounded]) - rows.velocities[bounded]
         slack[bounded] = np.minimum(slack[bounded], slack_by_error)
     return slack

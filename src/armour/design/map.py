@@ -26,7 +26,7 @@ class DesignMap(NamedTuple):
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
     # Velocities that are stopped with each of the probabilities, m/s, (ceramics, back plates, threats, probabilities);
-    # NaN if the model error is not known.
+    # NaN if the model error is not known, or if no such probability is stated so far from the tests.
     stopped_m_s: Floats
 
     def stopped_with(self, probability: float) -> Floats:
@@ -51,12 +51,13 @@ def design_map(
     candidates = catalogue.combinations(pair, ceramics, backings)
     rows = catalogue.against_each(candidates)
     limits = rows.limits_anywhere(on_progress)
-    # The velocity that is stopped with a probability p is the quantile of the ballistic limit at 1 - p.
+    # The velocity of shots that are stopped with a probability p is the quantile at 1 - p.
     tails = 1.0 - np.array(probabilities)
-    distributions = rows.limit_distributions(limits)
+    distributions = rows.shot_distributions(limits)
     with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
     stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
+    stopped[rows.errors.greatest[:, None] < np.array(probabilities)] = np.nan
     by_probability = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
 

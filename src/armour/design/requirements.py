@@ -67,6 +67,7 @@ def against_threat(
     sampled: Estimate | None,
     *,
     stops: bool,
+    greatest: float = 1.0,
 ) -> Iterator[Requirement]:
     """Yield what is required of an armour against a threat.
 
@@ -89,11 +90,14 @@ def against_threat(
     limit_m_s : float
         Ballistic limit by the model, m/s.
     probability : float or None
-        Probability that the armour stops the projectile; None if it is not known.
+        Probability that the armour stops a shot; None if it is not known.
     sampled : Estimate or None
         Probability of perforation, if uncertain inputs are sampled.
     stops : bool
         Whether the armour stops the projectile, by the model, at the velocity plus the margin.
+    greatest : float
+        Greatest probability that is stated.  If more is required, but not more than `probability`, the verdict is "not
+        known".
     """
     if is_no_metal(armour.rho_B):
         yield Requirement("backing_density_kg_m3", threat.title, LEAST_METAL_KG_M3, armour.rho_B, "not known")
@@ -115,11 +119,14 @@ def against_threat(
     interval = None
     if sampled is not None:
         verdict = verdict_of_samples(sampled, bound)
-        interval = (1.0 - sampled.high, 1.0 - sampled.low)
+        interval = (min(1.0 - sampled.high, greatest), min(1.0 - sampled.low, greatest))
     elif probability is not None:
         verdict = "passes" if probability >= 1.0 - bound else "fails"
     else:
         verdict = "not known" if reaches else short
+    if probability is not None:
+        probability = min(probability, greatest)
+        verdict = "not known" if verdict == "passes" and 1.0 - bound > greatest else verdict
     yield Requirement("probability_of_stopping", threat.title, 1.0 - bound, probability, verdict, interval)
 
 

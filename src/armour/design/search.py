@@ -13,7 +13,7 @@ import numpy as np
 from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, least_values_mm
 from armour.core.search import SCAN_POINTS
 from armour.design.catalogue import COST_COLUMN, MARGIN_COLUMN, CandidateDesigns, Catalogue, first_backings
-from armour.design.designs import PASSES, Designs, Runs, measured, verdicts_of
+from armour.design.designs import FAILS, PASSES, Designs, Runs, measured, verdicts_of
 from armour.scenario.schema import FreeRange
 
 # Least differences that matter on a Pareto front, by criterion: kg/m², mm and, for costs, a fraction of the lowest.
@@ -179,6 +179,9 @@ def _least(
     def stops(values: Floats, rows: Ints) -> Bools:
         return verdicts_of(catalogue, against(values, rows), search.runs) >= search.least
 
+    def fails(values: Floats, rows: Ints) -> Bools:
+        return verdicts_of(catalogue, against(values, rows), search.runs) == FAILS
+
     def passes(values: Floats, rows: Ints) -> Bools:
         slack_m_s = measured(catalogue, against(values, rows), search.runs)[1]
         return stops(values, rows) & (slack_m_s >= 0.0).all(axis=1)
@@ -191,7 +194,7 @@ def _least(
         )
 
     low, high = np.full(len(other_mm), free_range.min), np.full(len(other_mm), free_range.max)
-    least = least_values_mm(stops, scanned, low, high)
+    least = least_values_mm(stops, scanned, low, high, fails=fails)
     if not verify:
         return least
     stopping = np.flatnonzero(~np.isnan(least.mm))
@@ -201,6 +204,7 @@ def _least(
         lambda values, rows: scanned(values, failing[rows]),
         *(least.mm[failing], high[failing]),
         points=SCAN_POINTS,  # each a limit, with velocities scanned densely
+        fails=lambda values, rows: fails(values, failing[rows]),
     )
     least.mm[failing] = by_limit.mm
     least.changes_again[failing] |= by_limit.changes_again

@@ -59,6 +59,15 @@ class Mixture(NamedTuple):
             return self._replace(locations=self.locations + np.log(factors))
         return self._replace(locations=self.locations * factors, scales=self.scales * factors)
 
+    def of_shots(self, scatter: Floats | float) -> "Mixture":
+        """Return the distribution of the velocity below which a single shot is stopped, given that of V50.
+
+        `scatter` is the standard deviation of these velocities about V50, over V50: one for all armours, or (n,).
+        """
+        deviations = scatter if self.logarithmic else scatter * self.locations
+        scales = np.hypot(self.scales, deviations)
+        return self._replace(scales=scales, narrowed=np.hypot(self.scales * self.narrowed, deviations) / scales)
+
     def one(self, place: int = 0) -> "Mixture":
         """Return the distribution of one of n armours, (k, n) -> (k,)."""
         return self.mapped(lambda array: array[:, place])

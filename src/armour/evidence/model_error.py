@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import expm1
+from math import exp, expm1, log
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -14,15 +14,29 @@ from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import Fit, is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
-from armour.evidence.tests import Armours, Evidence, is_outside, is_untested, outside
+from armour.evidence.tests import (
+    Armours,
+    Evidence,
+    Materials,
+    greatest_probability,
+    is_outside,
+    is_untested,
+    outside,
+)
 from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
-from armour.scenario.library import PAGE
+from armour.scenario.library import PAGE, SCATTER_KEYS
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Model, Solver
+from armour.scenario.schema import DesignSection, Model, Solver
 
 # Probabilities of the quantiles that results give.
 ERROR_QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
+# Prior of the scatter of shots, the standard deviation of the velocities that single shots need to perforate, per cent
+# of V50: median, and the factor of one standard deviation of its logarithm.
+SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
+# Mean of this prior, and where it comes from.
+MEAN_SCATTER_PERCENT = SCATTER_PERCENT * exp(0.5 * log(SCATTER_FACTOR) ** 2)
+ASSUMED = f"assumed: {SCATTER_PERCENT:g} % within a factor of {SCATTER_FACTOR:g}"
 # Parameters of the core that a law of the limits may replace.
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 # Quantities of bare plates whose trend is uncertain beyond the tests.
@@ -90,6 +104,12 @@ class ModelError:
         Tests that show that the limit of the armour, at an angle, is at least the one with this error; empty if none.
     tests_here : TestsHere or None
         Own tests of the same armour; None if there are none.
+    scatter_percent : float
+        Standard deviation of the velocities that single shots need to perforate, per cent of V50.
+    scatter_source : str
+        Source of this scatter.
+    greatest_probability : float
+        Greatest probability of stopping that is stated, as the layers are thicker or thinner than tested ones.
     """
 
     mean_percent: float | None
@@ -100,6 +120,9 @@ class ModelError:
     quantiles_percent: dict[str, float] = field(default_factory=dict, hash=False)
     at_least: str = ""
     tests_here: TestsHere | None = None
+    scatter_percent: float = MEAN_SCATTER_PERCENT
+    scatter_source: str = ASSUMED
+    greatest_probability: float = 1.0
 
     @classmethod
     def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), **others: Any) -> Self:
@@ -125,6 +148,11 @@ class ModelError:
         mean, scale, freedom = (np.array([number], dtype=np.float64) for number in numbers)
         return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
 
+    @property
+    def of_shots(self) -> Mixture:
+        """Distribution of the velocity below which a shot is stopped, over the ballistic limit by the model."""
+        return self.ratio.of_shots(self.scatter_percent / 100.0)
+
     @checked
     def quantile(self, probability: FloatOrArray) -> Any:
         """Return the quantile, a fraction of at least -0.99, for a probability of 0 to 1; float or array."""
@@ -148,11 +176,17 @@ class ModelError:
 
     @checked
     def probability_of_stopping(self, limit_m_s: FloatOrArray, velocity_m_s: FloatOrArray) -> Any:
-        """Return the probability that the ballistic limit of the armour exceeds a velocity.
+        """Return the probability that the armour stops a shot at a velocity.
 
         `limit_m_s` is the ballistic limit by the model, above 0; both are numbers or arrays, m/s.  The probability is
-        NaN where either is missing.
+        NaN where either is missing.  It is at most `greatest_probability`.
         """
+        by_tests = self.of_shots.probability_above(velocity_m_s / limit_m_s)
+        return np.minimum(by_tests, self.greatest_probability)
+
+    @checked
+    def probability_v50_exceeds(self, limit_m_s: FloatOrArray, velocity_m_s: FloatOrArray) -> Any:
+        """Return the probability that V50, the ballistic limit of the armour, exceeds a velocity, both as above."""
         return self.ratio.probability_above(velocity_m_s / limit_m_s)
 
 
@@ -164,6 +198,8 @@ class ErrorRows(NamedTuple):
 
     ratio: Mixture  # actual over computed limits, (laws, n); weights are 0 for unused laws, NaN for unknown errors
     parameters: Floats  # of the core, by law and field of `LAW_FIELDS`, (laws, fields, n)
+    scatters: Floats  # standard deviations of shots about V50, over V50, (n,)
+    greatest: Floats  # greatest probabilities of stopping that are stated, (n,)
 
     @classmethod
     def unknown(cls, count: int, laws: int = 1) -> "ErrorRows":
@@ -171,12 +207,18 @@ class ErrorRows(NamedTuple):
         shape = (laws, count)
         nothing, ones = np.zeros(shape), np.ones(shape)
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
-        return cls(ratio, np.zeros((laws, len(LAW_FIELDS), count)))
+        scatters, parameters = np.full(count, MEAN_SCATTER_PERCENT / 100.0), np.zeros((laws, len(LAW_FIELDS), count))
+        return cls(ratio, parameters, scatters, np.ones(count))
 
     @property
     def known(self) -> Any:
         """Whether the error of each armour is known, (n,)."""
         return ~np.isnan(self.ratio.weights[0])
+
+    @property
+    def of_shots(self) -> "ErrorRows":
+        """The distributions of the velocities below which single shots are stopped, in place of those of V50."""
+        return self._replace(ratio=self.ratio.of_shots(self.scatters))
 
     def of_law(self, law: int) -> Mixture:
         """Return the distributions of the ratio by one law, given its index, (1, n)."""
@@ -190,6 +232,28 @@ def given_error(scenario: Scenario) -> ModelError | None:
     if section is None or section.scale_percent is None or section.is_bare:
         return None
     return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom, section.source)
+
+
+def scatter_of(scenario: Scenario, materials: Materials, *, bare: bool) -> tuple[float, str]:
+    """Return the scatter of shots at an armour, per cent of V50, and its source.
+
+    Its ceramic or, of a bare plate, its metal gives it, or else the section ``design``; otherwise it is assumed.
+    """
+    entry = materials.backing if bare or materials.ceramic is None else materials.ceramic
+    for given in (entry, scenario.design or DesignSection()):
+        if given.scatter_percent is not None:
+            return given.scatter_percent, given.scatter_source
+    return MEAN_SCATTER_PERCENT, ASSUMED
+
+
+def _scatters_of(scenario: Scenario, armours: Armours) -> Floats:
+    """Return the scatter of shots at each of n armours over V50, (n,)."""
+    percents = np.full(len(armours.material_of_row), MEAN_SCATTER_PERCENT)
+    for place, materials in enumerate(armours.materials):
+        for is_bare in (False, True):
+            rows = (armours.material_of_row == place) & ((armours.parameters.Hc0 == 0.0) == is_bare)
+            percents[rows] = scatter_of(scenario, materials, bare=is_bare)[0]
+    return percents / 100.0
 
 
 def other_settings(scenario: Scenario) -> str:
@@ -219,7 +283,8 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
-        return ErrorRows(repeated, np.zeros((1, len(LAW_FIELDS), count)))
+        scatters, parameters = _scatters_of(scenario, armours), np.zeros((1, len(LAW_FIELDS), count))
+        return ErrorRows(repeated, parameters, scatters, np.ones(count))
     as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     laws = [
         law
@@ -227,9 +292,11 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
     ]
     errors = ErrorRows.unknown(count, 1 + max((law.number for law in laws), default=0))
+    errors.scatters[:] = _scatters_of(scenario, armours)
     errors.parameters[0] = law_of(armours.parameters)
     for law in laws:
         errors.ratio.weights[:, law.rows] = 0.0
+        errors.greatest[law.rows] = law.greatest
     for law in laws:
         errors.parameters[law.number][:, law.rows] = law_of(law.armours.parameters)
         arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
@@ -246,6 +313,7 @@ class LawOfRows(NamedTuple):
     armours: Armours  # these armours, with the parameters of the law
     fit: Fit
     doubted: Mapping[str, tuple[float, float]]  # ranges, by quantity, beyond which the trend is uncertain
+    greatest: Any  # greatest probabilities of stopping that are stated for these armours
 
     def ratio(self) -> tuple[Any, ...]:
         """Return weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`."""
@@ -271,7 +339,7 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
         places = np.flatnonzero(is_member)
         members = armours.at(places).at_normal_incidence() if at_normal else armours.at(places)
         q = members.quantities()
-        holds = evidence.holds(q)
+        holds, greatest = evidence.holds(q), greatest_probability(evidence, q)
         for own_fit, law in zip(evidence.fits, evidence.laws or [()], strict=False):
             has_law = np.flatnonzero(holds & ~is_outside(law, q))
             by_own_law = members.at(has_law)
@@ -280,7 +348,8 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
                 changes: dict[str, Any] = {} if fit is own_fit and not evidence.lot else dict(fit.law)
                 if changes and evidence.laws:
                     changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
-                yield LawOfRows(number, places[has_law], by_own_law.with_law(changes), fit, doubted)
+                of_law = by_own_law.with_law(changes)
+                yield LawOfRows(number, places[has_law], of_law, fit, doubted, greatest[has_law])
 
 
 def law_of(parameters: Parameters) -> Floats:
@@ -295,15 +364,26 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
     """
     if np.isnan(ratio.weights).any():
         return None
+    [materials] = (armour.materials[place] for place in armour.material_of_row)
+    is_bare = bool(np.all(armour.parameters.Hc0 == 0.0))
+    shots: Any = dict(zip(SCATTER_KEYS, scatter_of(scenario, materials, bare=is_bare), strict=True))
     if (error := given_error(scenario)) is not None:
-        return ModelError.of_ratio(ratio, error.source)
+        return ModelError.of_ratio(ratio, error.source, **shots)
     [(evidence, _)] = armour.by_evidence()
     oblique = evidence.fails_angle(armour.cosines).all()
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
     title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
     here = _tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None
     at_least = evidence.at_least if oblique else ""
-    return ModelError.of_ratio(ratio, title, outside(evidence.measured, q), at_least=at_least, tests_here=here)
+    return ModelError.of_ratio(
+        ratio,
+        title,
+        outside(evidence.measured, q),
+        at_least=at_least,
+        tests_here=here,
+        greatest_probability=float(greatest_probability(evidence, q)[0]),
+        **shots,
+    )
 
 
 def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: float) -> TestsHere | None:

@@ -12,7 +12,16 @@ from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import caveats, is_no_metal, too_thin
 from armour.evidence.core_digest import changed_equations
-from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, shipped_data
+from armour.evidence.fit import (
+    Fit,
+    LotTests,
+    Quantities,
+    fits,
+    law_parameters,
+    quantities,
+    same_rods,
+    shipped_data,
+)
 from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_KEY,
@@ -41,6 +50,10 @@ ALIKE_FACTOR = 1.1
 # Additional standard deviations between lots, beyond that of the shipped tests: with a ceramic, and for armours unlike
 # the shipped tests, as on another metal.
 STRANGE, STRANGE_METAL = 0.10, 0.15
+# Thicknesses of the layers, in diameters of the penetrator; and by how much the greatest probability of stopping that
+# is stated falls where the logarithm of a thickness over the nearest tested one grows by 1.
+THICKNESSES = (THIN, "backing_thickness_ratio")
+FALL = 0.1 / log(1.5)
 # Properties that identify a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
 # Least number of sources of the flow stress of a ceramic without tests on which a verdict is based.
@@ -76,6 +89,11 @@ class DataRange(NamedTuple):
         """Return the values of n armours, each over the nearest value in the range: 1 inside it and for a NaN."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
+
+    def log_ratio(self, q: Quantities) -> Any:
+        """Return the logarithms of these ratios."""
+        with np.errstate(divide="ignore"):
+            return np.log(self.ratio(q))
 
     def joined(self, low: float, high: float) -> "DataRange":
         """Return the range widened to contain `low` and `high`."""
@@ -122,6 +140,7 @@ class Evidence(NamedTuple):
     at_least: str = ""  # the tests that show this
     lot: str = ""  # name of the lot of own tests; empty for shipped tests
     doubtful: tuple[int, ...] = ()  # own tests that are out of line or, without fits, implausible
+    thicknesses: tuple[DataRange, ...] = ()  # of the layers in these tests; own ones of a tested ceramic or metal apart
 
     def differences(self, q: Quantities) -> Any:
         """Return in how many respects n armours differ from the tests; a ceramic instead of none outweighs the rest."""
@@ -149,6 +168,29 @@ class Evidence(NamedTuple):
         return f"no test of {'an armour with a ceramic' if self.ceramic else 'such a plate'} at an angle"
 
 
+def greatest_probability(evidence: Evidence, q: Quantities) -> Any:
+    """Return the greatest probability of stopping that tests allow to state for n armours, (n,).
+
+    It falls with the distance from the tests: the greater logarithm of the factors by which the layers are thicker or
+    thinner than tested ones, in diameters of the penetrator.  Own tests count for the round that they were fired with.
+    """
+    distance = np.max([abs(data_range.log_ratio(q)) for data_range in evidence.thicknesses], axis=0)
+    if evidence.lot:
+        tested = evidence.fits[0].own[0].tests.quantities
+        same = same_rods(q, tested)
+        own = [
+            DataRange(
+                data_range.name,
+                np.where(same, tested[data_range.name], np.inf).min(axis=1) * (1.0 - ROUNDING),
+                np.where(same, tested[data_range.name], 0.0).max(axis=1) * (1.0 + ROUNDING),
+            )
+            for data_range in evidence.thicknesses
+        ]
+        by_own = np.max([abs(data_range.log_ratio(q)) for data_range in own], axis=0)
+        distance = np.where(same.any(axis=1), np.minimum(distance, by_own), distance)
+    return (1.0 - FALL * distance).clip(min=0.0)
+
+
 def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
     """Return whether each of n armours lies outside any of the ranges."""
     return np.any([data_range.fails(q) for data_range in ranges], axis=0)
@@ -167,6 +209,11 @@ def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
     return tuple(DataRange(name, *ends) for name, ends in data.items())
 
 
+def _thicknesses(ranges: Iterable[DataRange]) -> tuple[DataRange, ...]:
+    """Return those of the ranges that are of thicknesses of the layers."""
+    return tuple(data_range for data_range in ranges if data_range.name in THICKNESSES)
+
+
 @cache
 def shipped_evidence() -> tuple[Evidence, ...]:
     """Return the shipped tests; if several are equally close to an armour, the first of them is used."""
@@ -180,6 +227,7 @@ def shipped_evidence() -> tuple[Evidence, ...]:
             kind=_ranges(kind),
             measured=_ranges(data["measured"]),
             compared=_ranges(compared),
+            thicknesses=_thicknesses(_ranges(data["measured"])),
             velocities=DataRange("velocity_m_s", *data["velocities_m_s"]),
             fits=tuple(fits()[name]._replace(weight=1.0 / len(data["fits"])) for name in data["fits"]),
             **{key: data[key] for key in AS_GIVEN if key in data},
@@ -306,6 +354,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         laws=(),
         kind=kind,
         measured=measured,
+        thicknesses=_thicknesses(measured) if is_new else shipped.thicknesses,
         compared=(*kind, *measured),
         velocities=shipped.velocities.joined(velocities.min(), velocities.max()),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),

@@ -13,7 +13,7 @@ from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import Note, Problem, mistake, refuse
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.planning import procedures
 from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
 from armour.planning.shot_file import added
@@ -22,8 +22,6 @@ from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
 from armour.statistics.posterior import (
-    SCATTER_FACTOR,
-    SCATTER_PERCENT,
     FiringEstimate,
     FiringPrior,
     Posterior,

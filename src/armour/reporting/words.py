@@ -27,6 +27,10 @@ WHOLE: Source = (
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
+# What is said of a probability that is bounded by the distance from the tests.
+FAR = "far from the tests"
+
+
 def estimated(estimate: Estimate | None, spec: str) -> str:
     """Format an estimate with its interval; None gives an empty text."""
     return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
@@ -35,10 +39,13 @@ def estimated(estimate: Estimate | None, spec: str) -> str:
 def chance(probability: float | None, error: ModelError | None = None) -> str:
     """Format a probability of stopping, such as "73 %"; it is rounded down, so as never to overstate it.
 
-    It reads "at least" if `error` says that the ballistic limit may be higher.
+    It reads "at least" if `error` says that the ballistic limit may be higher, and "far from the tests" if it is the
+    greatest that is stated there.
     """
     if probability is None:
         return "unknown"
+    if error is not None and error.greatest_probability < 1.0 and probability >= error.greatest_probability:
+        return f"{chance(probability)}, {FAR}"
     if error is not None and error.at_least and probability <= 0.99:
         return f"at least {rounded_down(100.0 * probability):.0f} %"
     if probability < 0.01:
@@ -76,6 +83,8 @@ def requirement_parts(row: Requirement) -> tuple[str, str, str]:
             found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
         elif row.found is not None and round(100.0 * row.required, 9) % 1.0:  # as exact as what is required
             found = f"{rounded_down(100.0 * row.found, 1):.1f} %"
+        if row.verdict == "not known" and row.found is not None and (row.interval or (0.0, 0.0))[1] < row.required:
+            found += f" ({FAR})"
         return STOPPING.label, f"at least {percent(row.required)}", found
     if row.quantity == "flow_stress_sources":
         return "sources of the flow stress", least, found

@@ -9,6 +9,7 @@ from contextlib import suppress
 from armour.errors import InputError, Problem, choices, refuse
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.keys import Parts, is_read, key_name, parts_of
+from armour.scenario.library import SCATTER_KEYS
 from armour.scenario.scenario import Scenario
 
 NO_EFFECT = "must have an effect: {} does not depend on it"
@@ -51,7 +52,7 @@ def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str
     setters: dict[str, str] = {}
     for key in keys:
         parts = parts_of(key)
-        name = _input_set_by(scenario, parts) if parts[0] == "library" else key
+        name = _input_set_by(scenario, parts, reads) if parts[0] == "library" else key
         if not name:
             problems.append(Problem(file, key, NO_EFFECT.format(computed)))
         elif name.startswith("ceramic.") and is_bare:
@@ -61,9 +62,11 @@ def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str
     refuse(problems)
 
 
-def _input_set_by(scenario: Scenario, parts: Parts) -> str:
-    """Return the input that changes with a value of the section [library]; "" if none does."""
+def _input_set_by(scenario: Scenario, parts: Parts, reads: Collection[str]) -> str:
+    """Return the input that changes with a value of the section [library], or a scatter's own key; "" if none does."""
     _, kind, name, key = parts[:4]
+    if key == SCATTER_KEYS[0]:
+        return key_name(parts) if f"design.{key}" in reads else ""
     value = scenario.entry(kind, name)[key]  # type: ignore[arg-type]
     inputs = scenario.inputs()
     for factor in (1.01, 0.99):  # one of them is within the bounds

@@ -4,7 +4,7 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -171,6 +171,16 @@ class OwnTests(Section):
                 raise ValueError(f"must be as armour calibrate writes it: {name} has an impossible number")
         return self
 
+    def shows_scatter(self) -> bool:
+        """Return whether shots at one of the armours are enough to show their scatter, and have both results."""
+        columns = (self.tests.get(key, ()) for key in (*VARIED, *IN_COMMON, "side"))
+        results = Counter[tuple[float, ...]](zip(*columns, strict=False))
+        return any(
+            results[*armour, 1.0] + results[*armour, -1.0] >= LEAST_SHOTS
+            for *armour, side in results
+            if side == 1.0 and (*armour, -1.0) in results
+        )
+
 
 Name = Annotated[str, AfterValidator(nfc)]
 
@@ -211,7 +221,42 @@ class Projectile(Entry):
     """Flow stress of the penetrator."""
 
 
-class Ceramic(Entry):
+ScatterPercent = Annotated[float, Field(gt=0.0, le=50.0), NOT_TINY]
+# Least scatter of shots, per cent of V50, that needs no own firings; the least number of shots of such a firing.
+LEAST_SCATTER_PERCENT, LEAST_SHOTS = 2.5, 36
+SCATTER_KEYS = ("scatter_percent", "scatter_source")
+
+
+def least_scatter(percent: float) -> str:
+    """Return the message that a scatter of shots is too small to be taken without own firings."""
+    return (
+        f"must be at least {LEAST_SCATTER_PERCENT:g}, or be given in an entry of the library with an own firing of "
+        f"{LEAST_SHOTS} shots or more with both results, found {percent:g}"
+    )
+
+
+def check_scatter(percent: float | None, source: str) -> None:
+    """Refuse a scatter of shots without its source, and a source without it."""
+    if (percent is None) != (not source):
+        raise ValueError(f"must have {' and '.join(SCATTER_KEYS)}, or neither")
+
+
+class Layer(Entry):
+    """A material of a layer."""
+
+    scatter_percent: ScatterPercent | None = None
+    """Standard deviation of the velocities that single shots need to perforate, per cent of V50; below 2.5 only for an
+    entry with own firings of 36 shots or more, with both results."""
+    scatter_source: str = ""
+    """Source of this scatter."""
+
+    @model_validator(mode="after")
+    def _of_a_source(self) -> "Layer":
+        check_scatter(self.scatter_percent, self.scatter_source)
+        return self
+
+
+class Ceramic(Layer):
     """A ceramic."""
 
     density_kg_m3: Density | None = None
@@ -240,7 +285,7 @@ class Ceramic(Entry):
         return sources
 
 
-class Metal(Entry):
+class Metal(Layer):
     """A metal for back plates."""
 
     density_kg_m3: Density | None = None
@@ -277,7 +322,7 @@ STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 FLOW_STRESS_KEY = "flow_stress_GPa"
 # Keys that an entry may lack.
 SOURCES_KEY = "flow_stress_sources_GPa"
-OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC, SOURCES_KEY)
+OPTIONAL = (*UNUSED, *FLOW_STRESS_LAW, STATIC, SOURCES_KEY, *SCATTER_KEYS)
 
 # Defaults for metals: multiples of the static yield strength, or else of the dynamic one, in MPa, and their source.
 DEFAULTS = {
@@ -341,6 +386,11 @@ class LibraryEntry:
         Why its values are doubtful; empty if they are not known to be.
     unsourced : frozenset of str
         Keys of values that are given without a source, here or in an entry that it is based on.
+    scatter_percent : float or None
+        Standard deviation of the velocities that single shots need to perforate, per cent of V50; by default that of
+        the entry that it is based on.
+    scatter_source : str
+        Source of this scatter.
     """
 
     kind: Kind
@@ -355,6 +405,8 @@ class LibraryEntry:
     flow_stress_sources_GPa: tuple[float, ...] = ()
     doubtful: str = ""
     unsourced: frozenset[str] = frozenset()
+    scatter_percent: float | None = None
+    scatter_source: str = ""
 
     def __getitem__(self, key: str) -> float:
         """Return the number of a key."""
@@ -382,13 +434,14 @@ class LibraryEntry:
             "aliases": self.aliases,
             SOURCES_KEY: self.flow_stress_sources_GPa,
             **({"unsourced": True} if self.kind == "ceramic" and FLOW_STRESS_KEY in self.unsourced else {}),
+            **({} if self.scatter_percent is None else {key: getattr(self, key) for key in SCATTER_KEYS}),
         }
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry as plain data."""
         values = {key: value.model_dump() for key, value in self.values.items()}
-        sources = {SOURCES_KEY: list(self.flow_stress_sources_GPa)}
-        optional = {"doubtful": self.doubtful, "aliases": list(self.aliases), **values, **sources}
+        others = {SOURCES_KEY: list(self.flow_stress_sources_GPa)} | {key: getattr(self, key) for key in SCATTER_KEYS}
+        optional = {"doubtful": self.doubtful, "aliases": list(self.aliases), **values, **others}
         entry = {"kind": self.kind, "name": self.name, "description": self.description}
         return entry | {key: value for key, value in optional.items() if value}
 
@@ -651,6 +704,8 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         for key in derived:
             factor, source = DEFAULTS[key]
             values[key] = Value[float](value=factor * strength.value, source=source)
+    gives_scatter = getattr(entry, SCATTER_KEYS[0], None) is not None
+    scatter: Any = {key: getattr(entry if gives_scatter else base, key) for key in SCATTER_KEYS}
     return LibraryEntry(
         kind,
         name,
@@ -664,6 +719,7 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
         getattr(entry, SOURCES_KEY, ()) or base.flow_stress_sources_GPa,
         entry.doubtful or base.doubtful * (not entry.values()),
         frozenset(unsourced),
+        **scatter,
     )
 
 
@@ -671,6 +727,9 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     """Return the mistakes of an entry, by key: values that it lacks, or a penetrator that is too short or too long."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
+    is_shown = entry.evidence is not None and entry.evidence.shows_scatter()
+    if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not is_shown:
+        return {SCATTER_KEYS[0]: least_scatter(entry.scatter_percent)}
     if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):
         return {}
     message = (

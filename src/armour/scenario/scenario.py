@@ -367,6 +367,8 @@ class Scenario(Section):
                 parts[key] = section and section.model_dump(mode="json")
         as_at_normal = (self.design or usual).angles_as_at_normal_incidence
         parts |= {"design.angles_as_at_normal_incidence": True} if as_at_normal else {}
+        scatter = (self.design or usual).scatter_percent
+        parts |= {} if scatter is None else {"design.scatter_percent": scatter}
         for kind, name in self.named_entries():
             if (entry := self.entry(kind, name)).file:
                 parts[key_name(("library", kind, entry.name))] = entry.content()

@@ -21,7 +21,17 @@ from armour.core import equations
 from armour.errors import choices
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
 from armour.scenario.keys import nfc
-from armour.scenario.library import THREAT_KEYS, LibraryTables, hint, named_threats, threats_like
+from armour.scenario.library import (
+    LEAST_SCATTER_PERCENT,
+    THREAT_KEYS,
+    LibraryTables,
+    ScatterPercent,
+    check_scatter,
+    hint,
+    least_scatter,
+    named_threats,
+    threats_like,
+)
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import MM, US
 
@@ -471,6 +481,19 @@ class DesignSection(Section):
     """Part of the armour that exists already, such as a hull: it counts for the ballistic limit, but not for the limits
     of areal density, thickness and cost, nor for what is minimised."""
 
+    scatter_percent: ScatterPercent | None = None
+    """Standard deviation of the velocities that single shots need to perforate, per cent of V50, at least 2.5; an entry
+    of the library may give another. By default it is 2.54, which is assumed."""
+    scatter_source: str = ""
+    """Source of this scatter."""
+
+    @field_validator("scatter_percent")
+    @classmethod
+    def _assumed(cls, percent: float | None) -> float | None:
+        if percent is not None and percent < LEAST_SCATTER_PERCENT:
+            raise ValueError(least_scatter(percent))
+        return percent
+
     @field_validator("existing")
     @classmethod
     def _one_that_exists(cls, existing: str | None, info: ValidationInfo) -> str | None:
@@ -483,6 +506,7 @@ class DesignSection(Section):
     def _one_probability(self) -> "DesignSection":
         if None not in (self.confidence, self.probability_of_stopping):
             raise ValueError("must have probability_of_stopping or confidence, its other name, found both")
+        check_scatter(self.scatter_percent, self.scatter_source)
         return self
 
     @property

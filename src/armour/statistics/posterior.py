@@ -17,11 +17,9 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from armour.analysis.ballistic_limit import no_error
 from armour.analysis.variants import Floats
 from armour.errors import InputError, mistake
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.scenario.scenario import Scenario
 
-# Median of the prior of the scatter, per cent of V50, and the factor of one standard deviation of its logarithm.
-SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
 # Probability of V50 beyond each end of the first grid, and the multiples of the limit that bound its ends.
 GRID_TAIL, LEAST_MULTIPLE, GREATEST_MULTIPLE = 1e-9, 0.01, 10.0
 # Factor by which the first grid reaches beyond the shots.

@@ -20,8 +20,8 @@ from armour.scenario.inputs import ERROR, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Uncertainty
 
-# Quantiles of the ballistic limit.
-V_P = {"V05": 0.05, "V50": 0.5, "V95": 0.95}
+# Probabilities of the quantiles of the ballistic limit that are given.
+QUANTILES = (0.05, 0.5, 0.95)
 # Probabilities of the quantiles between which an input is varied alone.
 ENDS = (0.05, 0.95)
 # Points of the curve of the probability of perforation.
@@ -57,14 +57,17 @@ class ProbabilityCurve:
     ----------
     velocity_m_s : tuple of float
         Impact velocities, m/s.
-    probability : tuple of float
-        Probability of perforation, 0 to 1, at each velocity.
+    probability : tuple of float or None
+        Probability that a shot perforates, 0 to 1, at each velocity; None if it is not known.
+    by_distributions : tuple of float or None
+        If it is not known, the share of the samples that the model perforates, by the given distributions alone.
     low, high : tuple of float
-        Ends of its pointwise confidence interval.
+        Ends of the pointwise confidence interval of the one that is given.
     """
 
     velocity_m_s: tuple[float, ...]
-    probability: tuple[float, ...]
+    probability: tuple[float, ...] | None
+    by_distributions: tuple[float, ...] | None
     low: tuple[float, ...]
     high: tuple[float, ...]
 
@@ -80,10 +83,10 @@ class UncertaintyResult(TableResult):
         Sampling method.
     confidence : float
         Confidence level of the intervals.
-    probability_of_perforation : Estimate
-        At the impact velocity, its own distribution included.
-    ballistic_limit_m_s : mapping of str to Estimate
-        Quantiles of the ballistic limit, m/s: "V05", "V50" and "V95" are the 5 %, 50 % and 95 % quantiles.
+    probability_of_perforation : Estimate or None
+        Of a shot at the impact velocity, its own distribution included; None if it is not known.
+    limit_quantiles_m_s : mapping of str to Estimate
+        Quantiles of the ballistic limit, m/s, by probability: "0.05", "0.5" and "0.95".
     mean_m_s, standard_deviation_m_s : float
         Mean and standard deviation of the ballistic limit, m/s.
     mean_interval_m_s : tuple of float
@@ -95,6 +98,9 @@ class UncertaintyResult(TableResult):
         In descending order of influence.
     model_error : ModelError or None
         Model error, which is one of the inputs; None if it is not known or not included.
+    perforated_by_distributions : Estimate or None
+        If the probability is not known, the share of the samples that the model perforates, by the given distributions
+        alone.
     notes : tuple of Note
         Distributions that do not contain the scenario's values, and ways in which the scenario lies outside the
         validated range.
@@ -104,8 +110,8 @@ class UncertaintyResult(TableResult):
     seed: int
     method: str
     confidence: float
-    probability_of_perforation: Estimate
-    ballistic_limit_m_s: Mapping[str, Estimate]
+    probability_of_perforation: Estimate | None
+    limit_quantiles_m_s: Mapping[str, Estimate]
     mean_m_s: float
     mean_interval_m_s: tuple[float, float]
     standard_deviation_m_s: float
@@ -114,9 +120,10 @@ class UncertaintyResult(TableResult):
     inputs: tuple[Influence, ...]
     notes: tuple[Note, ...]
     model_error: ModelError | None = None
+    perforated_by_distributions: Estimate | None = None
 
     def _columns(self) -> dict[str, Any]:
-        return asdict(self.curve)
+        return {name: column for name, column in asdict(self.curve).items() if column is not None}
 
 
 @checked
@@ -142,24 +149,25 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         If a sample has no ballistic limit in the range of the search.
     """
     section = sampling.section_of(scenario)
-    limits = _limits(scenario, section, on_progress)
+    limits, of_shots = _limits(scenario, section, on_progress)
     exact = sampled(scenario, {}, 1)
     deterministic = float(sample_limits(exact)[0])
     error = model_error(exact.variants, deterministic)
+    perforated = sampling.probability_of_perforation(scenario)
     mean = mean_of_replicates(np.array([part.mean() for part in np.array_split(limits, sampling.REPLICATES)]))
     return UncertaintyResult(
         samples=section.samples,
         seed=section.seed,
         method=section.method,
         confidence=CONFIDENCE,
-        probability_of_perforation=sampling.probability_of_perforation(scenario),
-        ballistic_limit_m_s={name: quantile(limits, probability) for name, probability in V_P.items()},
+        probability_of_perforation=None if error is None else perforated.at_least(1.0 - error.greatest_probability),
+        limit_quantiles_m_s={str(probability): quantile(limits, probability) for probability in QUANTILES},
         mean_m_s=mean.value,
         mean_interval_m_s=(mean.low, mean.high),
         # Exactly 0 if all limits are equal, although their mean may be rounded.
         standard_deviation_m_s=float((limits - limits[0]).std(ddof=1)),
         deterministic_m_s=deterministic,
-        curve=probability_curve(limits),
+        curve=probability_curve(of_shots, None if error is None else error.greatest_probability),
         inputs=tuple(_influences(scenario, section, deterministic, error)),
         notes=(
             *_misplaced(section, scenario.inputs()),
@@ -167,6 +175,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
             *scenario_warnings(scenario, deterministic, "ballistic_limit"),
         ),
         model_error=error,
+        perforated_by_distributions=perforated if error is None else None,
     ).of(scenario.subject(), scenario=scenario)
 
 
@@ -181,12 +190,17 @@ def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[No
 
 
 def _limits(scenario: Scenario, section: Uncertainty, on_progress: OnProgress) -> Floats:
-    """Return the ballistic limits, m/s, (samples,), with inputs sampled from the distributions of a section."""
+    """Return ballistic limits and the velocities below which a shot is stopped, m/s, (2, samples).
+
+    The inputs are sampled from the distributions of a section.
+    """
     points, values = sampling.points_of(section), sampling.own_values(scenario)
-    limits = np.empty(len(points))
+    limits = np.empty((2, len(points)))
     for portion in portions(len(points), SAMPLES_AT_A_TIME):
         columns, count = columns_of(section, values, points[portion]), portion.stop - portion.start
-        limits[portion] = sample_limits(sampled(scenario, columns, count))
+        samples = sampled(scenario, columns, count)
+        limits[0, portion] = sample_limits(samples)
+        limits[1, portion] = limits[0, portion] * (samples.of_shots / samples.factor)
         on_progress(count, len(points))
     return limits
 
@@ -222,14 +236,19 @@ def quantile(limits: Floats, probability: float) -> Estimate:
     return Estimate(value, low, high)
 
 
-def probability_curve(limits: Floats) -> ProbabilityCurve:
-    """Estimate the probability of perforation over velocity, with pointwise intervals, from limits, m/s, (samples,)."""
+def probability_curve(limits: Floats, greatest: float | None) -> ProbabilityCurve:
+    """Estimate the probability of perforation over velocity, with pointwise intervals, from limits, m/s, (samples,).
+
+    `greatest` is the greatest probability of stopping that is stated; None if no probability is known.
+    """
     lowest, highest = limits.min(), limits.max()
     margin = 0.05 * (highest - lowest) + 1.0
     velocities = np.linspace(lowest - margin, highest + margin, PROBABILITY_POINTS)
-    estimates = [_share(limits <= velocity) for velocity in velocities]
-    rows = ([getattr(estimate, key) for estimate in estimates] for key in ("value", "low", "high"))
-    return ProbabilityCurve(tuple(velocities.tolist()), *map(tuple, rows))
+    least = 0.0 if greatest is None else 1.0 - greatest
+    estimates = [_share(limits <= velocity).at_least(least) for velocity in velocities]
+    value, low, high = (tuple(getattr(each, key) for each in estimates) for key in ("value", "low", "high"))
+    known, alone = (None, value) if greatest is None else (value, None)
+    return ProbabilityCurve(tuple(velocities.tolist()), known, alone, low, high)
 
 
 def _influences(

@@ -425,6 +425,12 @@ def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend(
     assert "950.0 m/s, lies outside the axis" in picture.note
 
 
+def test_an_uncertainty_without_a_known_probability_draws_what_is_given_and_calls_it_so():
+    picture = picture_of(uncertainty_result(known=False).of(scenario=scenario(velocity=700.0)))
+    assert picture.title == "Probability of perforation at 700 m/s: unknown"
+    assert picture.axes[0].get_ylabel() == "perforated by the given distributions alone"
+
+
 def test_an_uncertainty():
     picture = picture_of(uncertainty_result().of(scenario=scenario(velocity=700.0)))
     curve, swings = picture.axes

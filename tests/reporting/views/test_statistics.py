@@ -158,9 +158,19 @@ def test_no_probability_is_shown_that_is_not_reached(confidence: float):
 
 
 def test_a_model_error_that_is_not_included_is_told():
-    *_, error, alone = (item for item in view.tables_of_uncertainty(uncertainty_result()) if isinstance(item, str))
+    shown = view.tables_of_uncertainty(uncertainty_result(known=False))
+    *_, error, alone = (item for item in shown if isinstance(item, str))
     assert error == "model error: unknown for such an armour, or not included"
     assert alone == SAMPLED_ALONE
+
+
+def test_where_a_probability_is_unknown_what_is_given_is_called_so():
+    unknown, known = (view.estimate_table(uncertainty_result(known=is_known)).texts() for is_known in (False, True))
+    assert unknown[0][:3] == ["probability of stopping the projectile", "%", "unknown"]
+    assert unknown[1][:3] == ["stopped by the given distributions alone", "%", "79.0"]
+    assert known[0][:3] == ["probability of stopping the projectile", "%", "79.0"]
+    assert unknown[2:] == known[1:]
+    assert ["90 % between", "m/s", "680 to 770", ""] in known
 
 
 def test_parts_of_the_prior():

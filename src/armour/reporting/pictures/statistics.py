@@ -27,25 +27,31 @@ PENETRATIONS = (
 )
 # The velocity axis shows the curve from this probability of perforation to 1 minus it.
 SHOWN_PROBABILITY = 0.002
+# What is drawn where the probability is not known.
+ALONE = "perforated by the given distributions alone"
 
 
 @draw.register
 def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the probability of perforation over velocity, and the ballistic limits at two quantiles of each input."""
-    curve, p, level = result.curve, result.probability_of_perforation, percent(result.confidence)
+    curve, level = result.curve, percent(result.confidence)
+    p, shares = result.probability_of_perforation or result.perforated_by_distributions, curve.probability
+    assert p is not None
     velocity = drawing.recorded(result, "scenario").impact.velocity_m_s
     names = [Column.of(each.input).label for each in result.inputs]
     note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
-    axes.set(ylabel="probability of perforation", ylim=(0.0, 1.0))
+    axes.set(ylabel="probability of perforation" if shares else ALONE, ylim=(0.0, 1.0))
+    shares = shares or curve.by_distributions or ()
     axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
-    axes.plot(curve.velocity_m_s, curve.probability, color=drawing.BLUE)
+    axes.plot(curve.velocity_m_s, shares, color=drawing.BLUE)
     limits = {"nominal ballistic limit": result.deterministic_m_s}
-    limits |= {name: result.ballistic_limit_m_s[name].value for name in ("V05", "V50", "V95")}
+    quantiles = {f"limit's {100 * float(key):g} % quantile": each for key, each in result.limit_quantiles_m_s.items()}
+    limits |= {name: each.value for name, each in quantiles.items()}
     for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
-        colour = drawing.SOFT if name in result.ballistic_limit_m_s else drawing.INK
+        colour = drawing.SOFT if name in quantiles else drawing.INK
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
     interval = [[p.value - p.low], [p.high - p.value]]
     axes.errorbar([velocity], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
@@ -55,7 +61,7 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
         swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
-    probability = np.array(curve.probability)
+    probability = np.array(shares)
     rising = (probability > SHOWN_PROBABILITY) & (probability < 1.0 - SHOWN_PROBABILITY)
     uncertain = np.array(curve.velocity_m_s)[rising].tolist()
     changed = [limit for each in result.inputs for limit in each.limits_m_s]

@@ -36,8 +36,9 @@ from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult
 
+STOPPED_ALONE = "stopped by the given distributions alone"
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
-SAMPLING_NOTE = "more samples make the intervals narrower; the spread of the ballistic limit is V05 to V95"
+SAMPLING_NOTE = "more samples make the intervals narrower, but not the spread of the ballistic limit"
 
 
 def estimate_table(result: UncertaintyResult) -> Table:
@@ -45,15 +46,19 @@ def estimate_table(result: UncertaintyResult) -> Table:
 
     Intervals show the sampling errors.
     """
-    mean, p = Estimate(result.mean_m_s, *result.mean_interval_m_s), result.probability_of_perforation
-    stopped = Estimate(*sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low)))
-    limits = {**result.ballistic_limit_m_s, "mean ballistic limit": mean}
-    # Formatted here, because a probability and velocities have different decimals.
-    parts = [(STOPPING.label, "%", stopped, ".1f"), *((name, "m/s", each, ".0f") for name, each in limits.items())]
+    known, alone = result.probability_of_perforation, result.perforated_by_distributions
+    rows = [] if known else [(STOPPING.label, "%", "unknown", "")]
+    for label, p in ((STOPPING.label, known), (STOPPED_ALONE, alone)):
+        if p is not None:
+            value, least, most = sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low))
+            rows.append((label, "%", f"{value:.1f}", interval((least, most), ".1f")))
+    low, middle, high = result.limit_quantiles_m_s.values()
+    mean = Estimate(result.mean_m_s, *result.mean_interval_m_s)
+    for label, each in (("ballistic limit, median", middle), ("mean ballistic limit", mean)):
+        rows.append((label, "m/s", f"{each.value:.0f}", interval((each.low, each.high), ".0f")))
+    rows.insert(-1, ("90 % between", "m/s", interval((low.value, high.value), ".0f"), ""))
     sampling = Column(f"sampling error, {percent(result.confidence)} interval")
-    columns = (Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling)
-    rows = ((name, unit, format(e.value, spec), interval((e.low, e.high), spec)) for name, unit, e, spec in parts)
-    return Table(columns, tuple(rows))
+    return Table((Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling), tuple(rows))
 
 
 def influence_table(result: UncertaintyResult) -> Table:
@@ -70,7 +75,11 @@ def uncertainty_in_a_line(result: UncertaintyResult) -> str:
     """Return the probability of perforation at the velocity of the threat."""
     scenario, p = result.question.get("scenario"), result.probability_of_perforation
     at = f" at {scenario.impact.velocity_m_s:g} m/s" if scenario else ""
-    return f"perforated with a probability of {risk(1.0 - p.value)}{at}"
+    return (
+        f"probability of perforation{at}: unknown"
+        if p is None
+        else (f"perforated with a probability of {risk(1.0 - p.value)}{at}")
+    )
 
 
 @tables_of.register
