@@ -253,7 +253,7 @@ def optimise(
 
     Examples
     --------
-    armour optimise paper/optimum_7.62mm_AP --confidence 0.9
+    armour optimise paper/optimum_7.62mm_AP --probability 0.9
     armour optimise catalogue --plot study.svg --csv front.csv
     """
     from armour.design.optimise import effort
@@ -309,7 +309,7 @@ def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: st
     kept = [change for change in read if change.partition("=")[0].strip() not in replaced]
     kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
     required = scenario.design and scenario.design.required_probability
-    confidence = ["--confidence", f"{required:g}"] if required else []
+    confidence = ["--probability", f"{required:g}"] if required else []
     return shell_line(["armour", "check", source, *confidence, *runner.set_options(kept)])
 
 
