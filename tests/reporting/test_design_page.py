@@ -24,6 +24,7 @@ from armour.reporting.words import chance
 from armour.scenario.scenario import Scenario
 from tests.helpers.browser import CHROMIUM, browse, needs_chromium
 from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -50,10 +51,10 @@ def data_of(content: str) -> dict[str, Any]:
 def numbers_of(pair: dict[str, Any], threats: int) -> tuple[Any, Any]:
     """Limits, (ceramics, back plates, threats), and the velocities stopped with each probability."""
     shape = len(pair["ceramics"]), len(pair["backings"]), threats
-    floats = np.frombuffer(b64decode(pair["floats"]), dtype="<f4").reshape(*shape, 2).astype(float)
+    floats = np.frombuffer(b64decode(pair["floats"]), dtype="<f4").reshape(*shape, 3).astype(float)
     differences = np.frombuffer(b64decode(pair["differences"]), dtype="<u2").reshape(*shape, -1)
     above = np.concatenate([np.zeros((*shape, 1)), np.cumsum(differences, axis=-1) * pair["step"]], axis=-1)
-    return floats[..., 0], floats[..., 1:] + above
+    return floats[..., 0], floats[..., 1:2] + above
 
 
 def test_every_thickness_on_offer_is_a_node():
@@ -79,7 +80,8 @@ def test_a_node_has_the_limit_and_the_probabilities_of_its_design():
         assert limits[i, j, t] == pytest.approx(ballistic_limit(armour).ballistic_limit_m_s, abs=0.02)
         for q in (0, 8, 16):
             sure = confidence(armour.replaced({"impact.velocity_m_s": float(stopped[i, j, t, q])}))
-            assert sure.probability_of_stopping == pytest.approx(module.PROBABILITIES[q], abs=2e-4)
+            stated = min(module.PROBABILITIES[q], known(sure.model_error).greatest_probability)
+            assert sure.probability_of_stopping == pytest.approx(stated, abs=2e-4)
 
 
 def test_a_page_is_the_same_each_time():
@@ -90,7 +92,7 @@ def test_a_page_is_the_same_each_time():
 
 def test_a_page_is_small_and_asks_for_nothing():
     assert len(page().encode()) < 1_500_000
-    assert (TEMPLATES / "map.js").stat().st_size <= 53_000
+    assert (TEMPLATES / "map.js").stat().st_size <= 54_000
     assert "http" not in page().replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert page().count("</script>") == 2
     scripts, styles = (re.findall(rf"<{tag}>(.*?)</{tag}>", page(), re.DOTALL) for tag in ("script", "style"))

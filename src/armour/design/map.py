@@ -25,9 +25,15 @@ class DesignMap(NamedTuple):
     candidates: CandidateDesigns  # the ceramics in turn, each on every back plate
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
-    # Velocities that are stopped with each of the probabilities, m/s, (ceramics, back plates, threats, probabilities);
-    # NaN if the model error is not known, or if no such probability is stated so far from the tests.
-    stopped_m_s: Floats
+    # Velocities that are stopped with each of the probabilities by the tests, m/s, (ceramics, back plates, threats,
+    # probabilities); NaN if the model error is not known.
+    by_tests_m_s: Floats
+    greatest: Floats  # greatest probabilities that are stated, (ceramics, back plates, threats)
+
+    @property
+    def stopped_m_s(self) -> Floats:
+        """These velocities; NaN, too, if no such probability is stated so far from the tests."""
+        return np.where(self.greatest[..., None] >= self.probabilities, self.by_tests_m_s, np.nan)
 
     def stopped_with(self, probability: float) -> Floats:
         """Return velocities that are stopped with one of the probabilities, m/s, (ceramics, back plates, threats)."""
@@ -57,9 +63,9 @@ def design_map(
     with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
     stopped = np.full((limits.size, len(tails)), np.nan)
     stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
-    stopped[rows.errors.greatest[:, None] < np.array(probabilities)] = np.nan
-    by_probability = stopped.reshape(*shape, len(tails))
-    return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_probability)
+    greatest = rows.errors.greatest.reshape(shape)
+    by_tests = stopped.reshape(*shape, len(tails))
+    return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_tests, greatest)
 
 
 def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | None:

@@ -261,7 +261,7 @@ def _places(nodes: Floats, layer: Layer) -> list[int]:
 
 def _source(catalogue: Catalogue, designs: DesignMap) -> str:
     """Return the source of the model error of a pair; "" if no probability is known."""
-    places = np.flatnonzero(~np.isnan(designs.stopped_m_s[..., 0, 0]))
+    places = np.flatnonzero(~np.isnan(designs.by_tests_m_s[..., 0, 0]))
     if not len(places):
         return ""
     if (error := given_error(catalogue.scenario)) is not None:
@@ -273,14 +273,14 @@ def _source(catalogue: Catalogue, designs: DesignMap) -> str:
 def _numbers(designs: DesignMap) -> dict[str, Any]:
     """Encode ballistic limits and stopped velocities, m/s, in base64 for the script of the page.
 
-    For each design and threat, "floats" has two 32-bit floats: the limit, and the least stopped velocity (0 if
-    unknown).  "differences" has those between successive stopped velocities, as 16-bit multiples of "step"; their sums
-    are rounded down.
+    For each design and threat, "floats" has three 32-bit floats: the limit, the least stopped velocity (0 if unknown),
+    and the greatest probability that is stated.  "differences" has those between successive stopped velocities, as
+    16-bit multiples of "step"; their sums are rounded down.
     """
     limits = designs.limits_m_s.reshape(-1)
-    stopped = np.nan_to_num(designs.stopped_m_s.reshape(len(limits), -1))
-    floats = np.column_stack([limits, stopped[:, 0]]).astype("<f4")
-    above = np.maximum(stopped - floats[:, 1:].astype(np.float64), 0.0)
+    stopped = np.nan_to_num(designs.by_tests_m_s.reshape(len(limits), -1))
+    floats = np.column_stack([limits, stopped[:, 0], designs.greatest.reshape(-1)]).astype("<f4")
+    above = np.maximum(stopped - floats[:, 1:2].astype(np.float64), 0.0)
     step = max(float(np.diff(above, axis=1).max(initial=0.0)) / 65_000.0, 1e-3)
     differences = np.diff(np.floor(above / step), axis=1).astype("<u2")
     return {

@@ -11,15 +11,17 @@ const $ = id => document.getElementById(id);
 
 const bytes = text => Uint8Array.from(atob(text), each => each.charCodeAt(0)).buffer;
 
-// Ballistic limits and stopped velocities, by score; NaN: unknown.
+// Ballistic limits, stopped velocities, by score (NaN: unknown), and the greatest scores that are stated.
 function decoded(pair) {
   const floats = new Float32Array(bytes(pair.floats)), differences = new Uint16Array(bytes(pair.differences));
   const m = pair.backings.length, count = pair.ceramics.length * m;
   pair.limits = new Float64Array(count * T);
   pair.stops = new Float64Array(count * T * Q);
+  pair.most = new Float64Array(count * T).fill(Infinity);
   for (let d = 0; d < count * T; d++) {
-    pair.limits[d] = floats[2 * d];
-    let velocity = floats[2 * d + 1] || NaN;
+    pair.limits[d] = floats[3 * d];
+    if (floats[3 * d + 2] < 1) pair.most[d] = scoreOf(floats[3 * d + 2]);
+    let velocity = floats[3 * d + 1] || NaN;
     for (let q = 0; q < Q; q++) {
       if (q) velocity += pair.step * differences[d * (Q - 1) + q - 1];
       pair.stops[d * Q + q] = velocity;
@@ -62,8 +64,8 @@ function slope(V, o, q) {
   return 3 * (h + k) / ((2 * k + h) / a + (k + 2 * h) / b);
 }
 const hermite = (y, z, a, b, t) => ((2 * t - 3) * t * t + 1) * y + (3 - 2 * t) * t * t * z + (1 - t) * (1 - t) * t * a - (1 - t) * t * t * b;
-// Score with which a design stops a velocity: infinite beyond 1 and 99 %, NaN where it is unknown.
-function score(pair, d, v) {
+// Score with which a design stops a velocity by the tests: infinite beyond 1 and 99 %, NaN where it is unknown.
+function byTests(pair, d, v) {
   const V = pair.stops, o = d * Q;
   if (isNaN(V[o])) return NaN;
   if (v < V[o]) return Infinity;
@@ -74,7 +76,9 @@ function score(pair, d, v) {
   const h = V[o + q + 1] - V[o + q];
   return hermite(scores[q], scores[q + 1], slope(V, o, q) * h, slope(V, o, q + 1) * h, (v - V[o + q]) / h);
 }
-// Velocity that a design stops with a score.
+// The score that is stated: at most the greatest.
+const score = (pair, d, v) => min(byTests(pair, d, v), pair.most[d]);
+// Velocity that a design stops with a score by the tests.
 function stopped(pair, d, z) {
   const V = pair.stops, o = d * Q;
   let q = 0;
@@ -103,18 +107,18 @@ const wanted = () => confidences().map(c => c && scoreOf(c));
 const required = t => state.velocities[t] + threats[t].margin;
 const anyAsked = () => wanted().some(z => z !== null);
 
-// Velocities that designs stop with a score; the last are kept.
+// Velocities that designs stop with a score, NaN where it is not stated; the last are kept.
 function sure(pair, t, z) {
   const of = (pair.sure ??= {}), key = [t, z === 0];
-  if (of[key]?.z !== z) of[key] = { z, values: pair.areal.map((_, k) => stopped(pair, k * T + t, z)) };
+  if (of[key]?.z !== z) of[key] = { z, values: pair.areal.map((_, k) => (pair.most[k * T + t] < z - 1e-6 ? NaN : stopped(pair, k * T + t, z))) };
   return of[key].values;
 }
 const scored = (pair, k, t) => score(pair, k * T + t, state.velocities[t]);
 const isKnown = (pair, k) => !pair.unknown[k];
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
 // 32-bit floats are right to 1e-4 m/s.
-const stops = (pair, k, t, z) =>
-  (!limited(t, z) || pair.limits[k * T + t] >= required(t) - 1e-4) && (z === null || scored(pair, k, t) >= z - 1e-6);
+const stops = (pair, k, t, z, by = score) =>
+  (!limited(t, z) || pair.limits[k * T + t] >= required(t) - 1e-4) && (z === null || by(pair, k * T + t, state.velocities[t]) >= z - 1e-6);
 // Whether the limit by the model decides: if a margin or no probability is required.
 const limited = (t, z) => z === null || threats[t].margin > 0;
 
@@ -143,7 +147,8 @@ function answer(pair) {
   const best = pair.single || DATA.interlayer ? null : lightest(pair);
   if (best !== null) return { k: best, reason: "" };
   const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
-  const reaches = within.find(k => asked.every((z, t) => stops(pair, k, t, isNaN(scored(pair, k, t)) ? null : z)));
+  const reach = within.filter(k => asked.every((z, t) => stops(pair, k, t, isNaN(scored(pair, k, t)) ? null : z, byTests)));
+  const reaches = reach.find(k => isKnown(pair, k)) ?? reach[0];
   if (pair.unlike && within.length) return { k: within[0], reason: "no metal" };
   if (reaches !== undefined) return { k: reaches, reason: pair.single ? "single" : "not known" };
   let nearest = null, least = Infinity;
@@ -258,6 +263,7 @@ function headline(pair, { k, reason }) {
   }
   if (reason === "single") return `One source alone gives the flow stress of ${pair.ceramic}, so that no design of it is named lightest. By it, ${named} reaches ${allThreats()}${plus}.`;
   if (reason === "no metal") return `Not known: ${pair.unlike}.`;
+  if (reason && isKnown(pair, k)) return `Not known: ${named} is far from the tests, where ${chance(worst(pair, k))} is the most that is stated.`;
   if (reason) return `Not known: ${lead} that reaches ${allThreats()}${plus} by the computed limit. How likely it is to stop is unknown${DATA.interlayer && `: ${DATA.interlayer}`}.`;
   if (anyAsked()) return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
   const z = worst(pair, k);
@@ -728,7 +734,7 @@ function distribution(pair, d, v) {
   const at = x => 300 * (x - from) / (to - from), count = 240, heights = [];
   for (let n = 0; n <= count; n++) {
     const x = low + (high - low) * n / count, h = (high - low) / count;
-    heights.push([x, below(score(pair, d, max(x - h, low))) - below(score(pair, d, min(x + h, high)))]);
+    heights.push([x, below(byTests(pair, d, max(x - h, low))) - below(byTests(pair, d, min(x + h, high)))]);
   }
   heights[0][1] = heights[1][1] / 2;
   heights[count][1] = heights[count - 1][1] / 2;
