@@ -72,10 +72,10 @@ def answer() -> str:
 
 
 def design() -> str:
-    """Return the areal density over the back plate, for an even chance and for 95 %."""
+    """Return the areal density over the back plate, for an even chance and for 90 %."""
     x, y = scale(4, 44, 19), scale(50, 126, -4.2)
     parts = [*card("design", "lightest for each back plate, kg/m²"), *panel(x, y, range(4, 15, 2), (50, 60, 70))]
-    for confidence, words, colour in ((None, "50 %", BLUE), (0.95, "95 %", RED)):
+    for confidence, words, colour in ((None, "50 %", BLUE), (0.9, "90 %", RED)):
         answer: Any = armour.optimise(QUESTION.replaced({"design.confidence": confidence}))
         shown = [part for part in answer.frontier if 4 <= part.backing_thickness_mm <= 14]
         plates = [x(part.backing_thickness_mm) for part in shown]

@@ -109,8 +109,8 @@ def test_the_box_of_an_armour():
         "6.35 mm AD85 on 6.35 mm 6061-T6",
         f"{density} kg/m², 12.7 mm thick; tested near this limit: {near}",
     )
-    assert found["Asked for"] == ("no probability", "--confidence 0.95 asks for a probability of 95 %")
-    assert found[STOPPING] == ("7 %", model_error_words(known(check(scenario()).threats[0].model_error)))
+    assert found["Asked for"] == ("no probability", "--probability 0.95 asks for it")
+    assert found[STOPPING] == ("8 %", model_error_words(known(check(scenario()).threats[0].model_error)))
     required = statements(scenario_report(scenario(velocity=500.0, design={"confidence": 0.95}), ""))
     assert required["Asked for"] == ("at least 95 %", "")
 
@@ -121,7 +121,7 @@ def test_the_box_of_a_design():
     assert found["Lightest design"][1].startswith(f"{amounts} per m²; tested near this limit: ")
     assert found[STOPPING][1].startswith("against 7.62 mm AP at 850 m/s, the most likely of 2 threats to perforate; ")
     assert found["Asked for"][0] == "margin of 20 m/s"
-    assert found["Asked for"][1].startswith("--confidence 0.95 asks for a probability of 95 %; thickness of at most 20")
+    assert found["Asked for"][1].startswith("--probability 0.95 asks for it; thickness of at most 20")
 
 
 def test_the_box_says_that_a_probability_is_unknown_and_why():

@@ -36,6 +36,7 @@ EVIDENCE: dict[str, Any] = {
     "tests": {key: [1.0] for key in (*VARIED, *IN_COMMON, *TEST_RESULTS)},
     "law": [{"fit": "constant", "values": {"flow_stress_GPa": 5.2}, "level": [0.0, 0.1], "computed_m_s": [700.0]}],
 }
+SCATTER = {"scatter_percent": 4.0, "scatter_source": "s"}
 LIBRARY = {
     "files": ["lib.toml"],
     "projectile": {"P": {"based_on": "7.62 mm AP", "penetrator_mass_g": 5.5}},
@@ -44,9 +45,10 @@ LIBRARY = {
             "based_on": "AD85",
             "flow_stress_GPa": {"value": 5.2, "source": "s", "tests": [{"ballistic_limit_m_s": 700.0}]},
             "evidence": EVIDENCE,
+            **SCATTER,
         }
     },
-    "metal": {"M": {"based_on": "6061-T6", "static_yield_strength_MPa": 300.0}},
+    "metal": {"M": {"based_on": "6061-T6", "static_yield_strength_MPa": 300.0, **SCATTER}},
 }
 NORMAL = {"distribution": "normal", "standard_deviation_percent": 2.0}
 # Every section of a scenario at least once.
@@ -60,6 +62,7 @@ WHOLE = data(
     design={
         "ceramic": [CERAMICS[0], {"material": "SiC", "thickness_mm": {"min": 4.0, "max": 8.0}, "cost_per_kg": 1.0}],
         "backing": METALS,
+        **SCATTER,
     },
     uncertainty={
         "impact": {"velocity_m_s": NORMAL},

@@ -155,7 +155,7 @@ def _requirements(checked: CheckResult, scenario: Scenario) -> Card:
     margins = sorted({threat.required_margin_m_s for threat in checked.threats} - {0.0})
     requirements = [f"at least {' or '.join(map(percent, probabilities))}"] if probabilities else []
     requirements += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
-    details = [] if probabilities else ["--confidence 0.95 asks for a probability of 95 %"]
+    details = [] if probabilities else ["--probability 0.95 asks for it"]
     details += [" of ".join(phrases.requirement_parts(row)[:2]) for row in checked.requirements]
     details += design_view.layer_words(scenario.inert_layers)
     return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
