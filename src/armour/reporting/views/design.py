@@ -251,12 +251,6 @@ def design_in_a_line(result: DesignResult) -> str:
     return f"{name}: {armour_in_words(shown)}, {value}; {in_a_line(shown.check)}"
 
 
-def least_probability(result: CheckResult) -> float | None:
-    """Return the least probability of stopping over the threats; None if any is unknown."""
-    known = [chance for threat in result.threats if (chance := threat.probability_of_stopping) is not None]
-    return min(known) if len(known) == len(result.threats) else None
-
-
 def pair_words(design: Design | Pair) -> str:
     """Return the materials of a design, such as "AD85 on 6061-T6"."""
     return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing

@@ -13,15 +13,13 @@ from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number
 from armour.reporting.views.analysis import caveat_lines
-from armour.reporting.words import BALLISTIC_LIMIT, WHOLE, said_of
-from armour.scenario.scenario import Scenario
+from armour.reporting.words import WHOLE, said_of
 from armour.statistics.measured import LIMIT
-from armour.validation.comparison import Comparison, RuleResult
+from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
 from armour.validation.formulas import florence_name
 from armour.validation.suite import Case
 from armour.validation.suite_sections import CASES
-from armour.validation.tested import MeasuredArmour
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
@@ -372,28 +370,6 @@ def comparison_table(result: Comparison) -> Table:
         rows.append((name, each.ballistic_limit_m_s, None, None, None))
     parts = [Column(label, "%", ".1f") for label in ("mean error", "left out", "largest")]
     return Table.of_rows((Column("by", prose=True), Column("limit", "m/s", ".0f"), *parts), rows)
-
-
-def weight_table(
-    whole_kg_m2: float,
-    limit_m_s: float,
-    rules: Sequence[RuleResult],
-    measured: Sequence[MeasuredArmour],
-    scenario: Scenario | None,
-) -> Table:
-    """Tabulate the areal density of an armour, that of the rules, and of tested armours nearest in ballistic limit.
-
-    Layers without ballistic effect, which the others lack, are left out.
-    """
-    inert = 0.0 if scenario is None else scenario.inert("areal_density_kg_m2")
-    bare = " without layers that have no ballistic effect" if inert else ""
-    rows = [(f"this armour{bare}, by the model", whole_kg_m2 - inert, limit_m_s)]
-    rows += [(f"areal density rule, p = {rule.p:.4g}", rule.areal_density_kg_m2, limit_m_s) for rule in rules]
-    for each in measured:
-        name = f"measured: {each.armour}, {each.projectile}"
-        rows.append((name, each.areal_density_kg_m2, each.ballistic_limit_m_s))
-    columns = Column("armour, nearest in limit", prose=True), Column.of("areal_density_kg_m2"), BALLISTIC_LIMIT
-    return Table(columns, tuple(rows))
 
 
 def rule_note(result: Comparison) -> str:
