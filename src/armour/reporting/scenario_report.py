@@ -181,7 +181,7 @@ def _designs(design: DesignResult, map_command: str) -> ReportSection:
     section = section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title=""))
     hint = ("This command makes an interactive page of all designs:",) if map_command else ()
     paragraphs = (*section.paragraphs, *hint)
-    return replace(section, paragraphs=paragraphs, code=map_command, language="console", folded=False)
+    return replace(section, paragraphs=paragraphs, code=map_command, language="console")
 
 
 def _sources(scenario: Scenario, answer: Scenario, threat: CheckedThreat) -> Iterator[str]:

@@ -230,7 +230,7 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
         shown += [f"{more} more back plates with -v"] if more else []
         shown += [left_out(result)] if result.without_mm else []
     if result.pareto:
-        shown += [front_table(result.pareto), *outside_notes(result.pareto)]
+        shown += [front_table(result.pareto), *(note for note in outside_notes(result.pareto) if note not in shown)]
     is_said = result.shown.outside_tests.get(THIN, 1.0) < 1.0
     thin = [] if is_said else thin_designs(named, result.question.get("scenario"))
     return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
