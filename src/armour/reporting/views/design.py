@@ -62,7 +62,7 @@ def _aligned(table: Table) -> Table:
     return replace(table, columns=tuple(replace(c, spec=f".{decimals}f") if chosen else c for c, chosen in columns))
 
 
-def frontier_table(result: DesignResult, rows: slice = slice(None)) -> Table:
+def frontier_table(result: DesignResult, rows: slice) -> Table:
     """Tabulate, for some back plates of the best pair, the thinnest ceramic that passes.
 
     Notes mark the best design and ceramics at the least thickness on offer.
