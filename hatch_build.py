@@ -19,6 +19,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent / "src"))
 from armour.engine import compiled, loops
+from armour.engine.changes import MODULES
 
 NUMBA = ("numba>=0.62.0; python_version < '3.16'", "numpy>=2.0.1")
 ZIG = sys.executable, "-m", "ziglang", "cc"
@@ -58,7 +59,7 @@ class Hook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
         """Add the library of a system, and name the wheel after it: this one, or that of ``ARMOUR_WHEEL_FOR``."""
         if tag := os.environ.get("ARMOUR_WHEEL_FOR", ""):
-            content = library(SYSTEMS[tag])
+            content = linked(SYSTEMS[tag])
             file = Path(self.directory, compiled.library_name(content))
             file.write_bytes(content)
             build_data["force_include"][str(file)] = f"armour/engine/{file.name}"
@@ -80,7 +81,7 @@ def build() -> str:
         return "numba is not installed"
     if not (linker() or find_spec("ziglang")):
         return "there is no C compiler; install one, or ziglang by pip"
-    content = library(WINDOWS if sys.platform == "win32" else System())
+    content = linked(WINDOWS if sys.platform == "win32" else System())
     for file in compiled.FOLDER.glob("compiled-*.so"):
         file.unlink()
     (compiled.FOLDER / compiled.library_name(content)).write_bytes(content)
@@ -98,7 +99,7 @@ def linker() -> list[str]:
     return command if works else []
 
 
-def library(system: System) -> bytes:
+def linked(system: System) -> bytes:
     """Return the content of a library for a system."""
     with TemporaryDirectory() as folder:
         objects = [str(Path(folder, f"{name}.o")) for name in loops.LOOP_NAMES]
@@ -119,7 +120,7 @@ def machine_code(triple: str) -> list[bytes]:
     from numba import types
     from numba.extending import overload, register_jitable
 
-    from armour.core import equations, events, rk4, roots, run, search, stages, state
+    from armour.core import rk4, stages
     from armour.core.state import Parameters
 
     # Nothing but this code calls it, and nothing in it needs reference counts.
@@ -127,7 +128,7 @@ def machine_code(triple: str) -> list[bytes]:
     # Called in every step: numba would not inline them by itself, which takes a fifth longer.
     inlined = stages.rates, rk4.step
     # Make the functions of the core callable from compiled code.
-    for module in (state, equations, stages, roots, rk4, events, run, search):
+    for module in MODULES:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
                 register_jitable(**options, forceinline=function in inlined)(function)

@@ -11,9 +11,10 @@ from armour.core import events, rk4, roots, run, search, stages, state
 from armour.errors import Problem, choices, mistake, refuse
 
 NAMES = [name for name, value in vars(model_equations).items() if isfunction(value)]
-_MODULES = (state, model_equations, stages, roots, rk4, events, run, search)
+# The modules of the model.
+MODULES = (state, model_equations, stages, roots, rk4, events, run, search)
 # What each name of each module of the core must be.
-_values: dict[ModuleType, dict[str, object]] = {module: dict(vars(module)) for module in _MODULES}
+_values: dict[ModuleType, dict[str, object]] = {module: dict(vars(module)) for module in MODULES}
 _changed: list[str] = []
 
 

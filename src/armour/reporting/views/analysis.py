@@ -43,9 +43,8 @@ def tables_of_each(result: EachResult) -> list[Table | str]:
 @tables_of.register
 def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     """Return the outcome of an impact, its probability if computed, what remains of the projectile, and the stages."""
-    line = in_a_line(result)
-    is_good = result.outcome == "stopped" and not line.startswith("not known")
-    parts: list[Table | str] = [VerdictLine(line, good=is_good)]
+    is_good = result.outcome == "stopped" and not phrases.said_of(result.notes, "not known")
+    parts: list[Table | str] = [VerdictLine(in_a_line(result), good=is_good)]
     if (confidence := result.question.get("confidence")) is not None:
         parts += tables_of_confidence(confidence)
         distributed = result.question["scenario"].uncertainty
