@@ -102,8 +102,8 @@ def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]
     greatest = (layer.thicknesses()[-1:] if layer.free_range() else layer.thicknesses() for layer in layers)
     thickest = catalogue.combinations(pair, *greatest)
     rows = catalogue.against_each(thickest)
-    limits = rows.limits_anywhere(search.runs).reshape(-1, len(catalogue.threats))
-    spare = float((limits - catalogue.velocities_m_s - catalogue.margins_m_s).min(axis=1).max())
+    shown = measured(catalogue, rows, search.runs)[1]
+    spare = float((shown - catalogue.velocities_m_s - catalogue.margins_m_s).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
         raised = replace(catalogue, margins_m_s=catalogue.margins_m_s + margin)
@@ -183,15 +183,14 @@ def _least(
         return verdicts_of(catalogue, against(values, rows), search.runs) == FAILS
 
     def passes(values: Floats, rows: Ints) -> Bools:
-        slack_m_s = measured(catalogue, against(values, rows), search.runs)[1]
+        slack_m_s = measured(catalogue, against(values, rows), search.runs)[-1]
         return stops(values, rows) & (slack_m_s >= 0.0).all(axis=1)
 
     def scanned(values: Floats, rows: Ints) -> Bools:
         variants = against(values, rows)
-        # If a probability is bounded, the thickest layer may lie beyond the tests while thinner ones do not.
-        return variants.is_unusual().reshape(-1, len(catalogue.threats)).any(axis=1) | (
-            np.isnan(values) & catalogue.bounded
-        )
+        # The thickest layer may lie beyond the tests while thinner ones do not.
+        beyond = np.isnan(values) & (search.least == PASSES)
+        return variants.is_unusual().reshape(-1, len(catalogue.threats)).any(axis=1) | beyond
 
     low, high = np.full(len(other_mm), free_range.min), np.full(len(other_mm), free_range.max)
     least = least_values_mm(stops, scanned, low, high, fails=fails)

@@ -13,7 +13,7 @@ from armour import __version__
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats, outside_words
 from armour.core.state import Parameters
-from armour.design.catalogue import COST_COLUMN, NO_BOUND, Catalogue, catalogue_of
+from armour.design.catalogue import COST_COLUMN, Catalogue, catalogue_of
 from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low, no_metal
@@ -126,7 +126,7 @@ def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
         "velocity": threat.velocity_m_s,
         "obliquity": threat.obliquity_deg,
         "margin": threat.margin_m_s,
-        "own": None if most is None or bound >= NO_BOUND else 1.0 - most,
+        "own": None if most is None else 1.0 - most,
         "rod": [core.L0 / MM, core.D0 / MM],
     }
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
+from armour.design.catalogue import Catalogue, catalogue_of
 from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult
