@@ -20,7 +20,7 @@ from armour.analysis.variants import row_of
 from armour.design.requirements import Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armours_of, outside_tests, threat_warnings
+from armour.evidence.tests import armours_of, far_from_tests, outside_tests, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
@@ -39,7 +39,7 @@ class WhatIf:
     Attributes
     ----------
     change : str
-        In words, such as "ceramic 1 mm thinner".
+        In words, such as "tile 1 mm thinner".
     velocity_m_s : float
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
@@ -104,6 +104,8 @@ class CheckedThreat:
         required.
     outside_tests : dict of str to float
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
+    far_from_tests : tuple of str
+        In what the armour or the threat is far from the tests, such as "5083-H3 (on 6061-T6)".
     name : str
         Name of the threat without its numbers, as it stays if only these change.
     probability_v50_exceeds_velocity : float or None
@@ -132,6 +134,7 @@ class CheckedThreat:
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
+    far_from_tests: tuple[str, ...] = ()
     name: str = ""
     probability_v50_exceeds_velocity: float | None = None
 
@@ -142,9 +145,7 @@ class CheckedThreat:
             probability = None
             if error is not None and limit is not None:
                 probability = float(error.probability_of_stopping(limit, self.velocity_m_s))
-        return WhatIf(
-            "as given", self.velocity_m_s, limit, self.expected_limit_m_s, self.interval_m_s, probability
-        )
+        return WhatIf("as given", self.velocity_m_s, limit, self.expected_limit_m_s, self.interval_m_s, probability)
 
 
 @dataclass(frozen=True, repr=False)
@@ -309,9 +310,7 @@ def _checked(
         greatest,
         sampled,
     )
-    verdict, requirements = against_threat(
-        against, threat, against.core_armour(), row.materials[0].ceramic, standing
-    )
+    verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed, changed_limit, changed_error = against.replaced(values), limit, error
@@ -351,6 +350,7 @@ def _checked(
         requirements=requirements,
         sampled=sampled and sampled.at_least(1.0 - greatest),
         outside_tests=outside_tests(row.armours, row.velocities)[0],
+        far_from_tests=far_from_tests(against, row.armours),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )
@@ -358,7 +358,7 @@ def _checked(
 
 def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
     """Yield each change of armour or impact to check: its words, and the new value by key."""
-    for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
+    for key, words in ((CERAMIC, "tile"), (BACKING, "plate")):
         thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:
             yield f"{words} {tolerance_mm:g} mm thinner", {key: thickness - tolerance_mm}

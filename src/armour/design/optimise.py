@@ -136,9 +136,11 @@ class BestDesign(Design):
     flow_stress: dict[str, NeededFlowStress]
     requirements: tuple[Requirement, ...]
 
-    def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
-        """Return the changes, by key, that make the design the armour of a scenario."""
-        return _changes_to(scenario, self, self.ceramic_density_kg_m3, self.backing_density_kg_m3)
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with the design as its armour."""
+        scenario: Scenario = self.check.question["scenario"]
+        return scenario
 
 
 def _changes_to(scenario: Scenario, design: Design, *densities_kg_m3: float) -> dict[str, str | float]:

@@ -14,9 +14,7 @@ from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
 # From the worst; an armour has the worst of the verdicts on it.  Only a required probability that is known to be
 # reached passes.  The words of the model stand where no probability is required, and none is known.
-Verdict = Literal[
-    "fails", "perforated by the model", "not known", "stopped by the model", "expected to stop", "passes"
-]
+Verdict = Literal["fails", "perforated by the model", "not known", "stopped by the model", "expected to stop", "passes"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 # Verdicts with which a command ends with the exit code 0.
 GOOD = VERDICTS[VERDICTS.index("stopped by the model") :]
@@ -123,9 +121,7 @@ def against_threat(
     short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
     if threat.margin_m_s > 0.0:
         rows.append(
-            Requirement(
-                "margin_m_s", threat.title, threat.margin_m_s, margin_m_s, "passes" if reaches else short
-            )
+            Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, "passes" if reaches else short)
         )
     least, probability, interval = EVEN if bound is None else 1.0 - bound, standing.probability, None
     verdict: Verdict

@@ -84,7 +84,7 @@ def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = ()) -> Cand
     catalogue = search.catalogue
     columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN_COLUMN]
     pairs = range(len(catalogue.offers))
-    parts = [_of_pair(search, pair, columns) for pair in pairs]
+    parts = [_rounded_up(search, pair, _of_pair(search, pair, columns)) for pair in pairs]
     if MARGIN_COLUMN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(search, pair, columns)]
     return CandidateDesigns.joined(parts)
@@ -109,6 +109,28 @@ def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]
         raised = replace(catalogue, margins_m_s=catalogue.margins_m_s + margin)
         parts.append(_of_pair(replace(search, catalogue=raised), pair, columns, verify=False))
     return parts
+
+
+def _rounded_up(search: FreeThicknesses, pair: int, designs: CandidateDesigns) -> CandidateDesigns:
+    """Round the free thicknesses of designs of a pair up to 0.01 mm where the design still passes."""
+    catalogue, layers = search.catalogue, search.catalogue.offers[pair][:2]
+    where = np.flatnonzero(~np.isnan(designs.thickness_mm))
+    if not len(where) or not any(layer.free_range() for layer in layers):
+        return designs
+    raised = [
+        np.minimum(np.ceil(mm[where] * 100.0 - 1e-6) / 100.0, layer.thicknesses()[-1])
+        if layer.free_range()
+        else mm[where]
+        for mm, layer in zip((designs.ceramic_mm, designs.backing_mm), layers, strict=True)
+    ]
+    rounded = catalogue.candidates(pair, *raised)
+    rows = catalogue.against_each(rounded)
+    passes = verdicts_of(catalogue, rows, search.runs) >= search.least
+    passes &= (measured(catalogue, rows, search.runs)[-1] >= 0.0).all(axis=1)
+    columns = [column.copy() for column in designs]
+    for column, values in zip(columns, rounded, strict=True):
+        column[where[passes]] = values[passes]
+    return CandidateDesigns._make(columns)
 
 
 def _of_pair(search: FreeThicknesses, pair: int, columns: Sequence[str], *, verify: bool = True) -> CandidateDesigns:

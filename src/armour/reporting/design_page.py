@@ -2,7 +2,7 @@
 
 import json
 from base64 import b64encode
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from itertools import pairwise
 from typing import Any
@@ -20,7 +20,7 @@ from armour.evidence.caveats import is_limit_too_low, no_metal
 from armour.evidence.model_error import INTERLAYER, given_error
 from armour.evidence.tests import against_each, limits_of_model, outside_tests
 from armour.reporting.formats import TEMPLATES, rendered
-from armour.reporting.views.design import METALS, in_common
+from armour.reporting.views.design import METALS
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
@@ -236,8 +236,14 @@ def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
         "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in notes],
         "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
         "inside": [place for place, outside in enumerate(factors) if not outside],
-        "outside": outside_words(in_common(factors)),
+        "outside": outside_words(_in_common(factors)),
     }
+
+
+def _in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the quantities in which all of several designs lie outside the tests by the same factor."""
+    first, *others = every or [{}]
+    return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
 
 
 def _over_sources(catalogue: Catalogue, designs: DesignMap) -> list[list[float]] | None:

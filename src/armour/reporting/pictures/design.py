@@ -12,6 +12,7 @@ from armour.design.catalogue import Catalogue, catalogue_of
 from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult
+from armour.design.requirements import EVEN
 from armour.evidence.tests import outside_tests
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
@@ -67,13 +68,12 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     best = names.index((result.shown.ceramic, result.shown.backing))
-    confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple({1.0 - USUAL_CHANCE, USUAL_CHANCE, *filter(None, confidences)})
+    probabilities = tuple({1.0 - USUAL_CHANCE, EVEN, USUAL_CHANCE, *(1.0 - catalogue.bounds).tolist()})
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
         grid = with_known_edges(catalogue, pair, *(_nodes(layer) for layer in layers))
-        return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
+        return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities))
 
     is_single_by_pair = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
     if not any(is_single_by_pair[best]):
@@ -106,7 +106,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
         thickness, grid = getattr(result.shown, f"{layer}_thickness_mm"), maps[0].grid
-        limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), grid.limits_m_s[..., place].ravel())
+        limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), maps[0].shown_m_s[..., place].ravel())
         maps[0].draw_best(axes, result.shown, thickness, limit)
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
         axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
@@ -116,35 +116,34 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
 
 @dataclass(frozen=True)
 class _Map:
-    """A map of the designs of a pair of materials.
-
-    `confidences` has the required probability of stopping each threat, None where none is required.
-    """
+    """A map of the designs of a pair of materials."""
 
     result: DesignResult
     catalogue: Catalogue
     grid: DesignMap
-    confidences: tuple[float | None, ...]
+
+    @property
+    def shown_m_s(self) -> Any:
+        """The expected limits or, where no tests tell, those by the model, m/s, (ceramics, back plates, threats)."""
+        expected = self.grid.by_tests_m_s[..., self.grid.probabilities.index(EVEN)]
+        return np.where(np.isnan(expected), self.grid.limits_m_s, expected)
 
     def required(self) -> tuple[Any, str]:
         """Return how far each design exceeds what is required, m/s, (ceramics, back plates), and what is, in words.
 
-        The threat with the least excess counts; NaN where the probability of stopping it is not known.
+        The threat with the least excess counts; NaN where a probability is required but not known.
         """
         margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
-        excess_m_s = self.grid.limits_m_s - velocities_m_s - margins_m_s
-        for threat, confidence in enumerate(self.confidences):
-            if confidence is not None:
-                stopped_m_s = self.grid.stopped_with(confidence)[..., threat] - velocities_m_s[threat]
-                by_model_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf
-                excess_m_s[..., threat] = np.minimum(stopped_m_s, by_model_m_s)
-        margin, confidence = bool(margins_m_s.any()), self.confidences[0]
-        if not any(self.confidences):
-            words = f"ballistic limit by the model ≥ velocity{' + margin' * margin}"
-        elif confidence is None or margin or len({*self.confidences}) > 1:
-            words = "meets the requirements"
-        else:
-            words = f"stopped in {percent(confidence)} of cases or more"
+        excess_m_s = self.shown_m_s - velocities_m_s - margins_m_s
+        asked = [1.0 - bound for bound in self.catalogue.bounds.tolist()]
+        for threat in np.flatnonzero(self.catalogue.required):
+            stopped_m_s = self.grid.stopped_with(asked[threat])[..., threat] - velocities_m_s[threat]
+            by_limit_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf
+            excess_m_s[..., threat] = np.minimum(stopped_m_s, by_limit_m_s)
+        if margins_m_s.any() or len({*asked}) > 1:
+            return excess_m_s.min(axis=-1), "meets the requirements"
+        is_known = not np.isnan(self.grid.by_tests_m_s).all()
+        words = f"stops a shot with {percent(asked[0])} or more" if is_known else "stopped by the model"
         return excess_m_s.min(axis=-1), words
 
     def draw(self, axes: Axes) -> None:
@@ -157,7 +156,7 @@ class _Map:
         if not unknown.all():
             _tint(axes, x, y, excess_m_s, words, drawing.BLUE)
             drawing.contours(axes, x, y, excess_m_s, [0.0], linewidth=1.9, color=drawing.BLUE)
-            _tint(axes, x, y, np.where(unknown, 1.0, -1.0), "probability unknown: too unlike tests", drawing.SOFT)
+            _tint(axes, x, y, np.where(unknown, 1.0, -1.0), "probability not known", drawing.SOFT)
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         label = f"equal {view.OBJECTIVE_WORDS[self.result.minimised].heading}"
         drawing.contours(axes, x, y, objective, 5, at=-0.55, label=label, linestyle=":", color=drawing.SOFT)
@@ -196,7 +195,7 @@ class _Map:
         Bands show the limits over the sources of the flow stress, and the model error.
         """
         x = getattr(self.grid, f"{layer}_mm")
-        limits = self.grid.limits_m_s[..., threat].ravel()
+        limits = self.shown_m_s[..., threat].ravel()
         by_source = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
         if by_source is not None and len(by_source) > 1:
             axes.fill_between(x, by_source[0], by_source[-1], color=colour, **drawing.BAND)
@@ -216,7 +215,7 @@ class _Map:
 
     def note(self) -> str:
         """Return a note on what the line of a required probability includes."""
-        if not any(self.confidences):
+        if not self.catalogue.required.any():
             return ""
         if np.isnan(self.grid.stopped_m_s).all():
             return "No probability is known for these designs."
@@ -295,20 +294,24 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     by_threat = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
-    note = "Percentages: probability that the armour stops the projectile."
+    note = "Percentages: probability that the armour stops a shot."
     picture = sheet.panels(headline(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
         places = range(len(changes))
-        limits = np.array([row.ballistic_limit_m_s for row in what_ifs], float)
+        shown = [
+            row.ballistic_limit_m_s if row.expected_limit_m_s is None else row.expected_limit_m_s for row in what_ifs
+        ]
+        limits = np.array(shown, float)
         # An unknown interval is drawn as the limit alone.
         ends = [row.interval_m_s or (limit, limit) for row, limit in zip(what_ifs, limits, strict=True)]
         drawing.ranges(axes, places, ends, drawing.BLUE)
-        label = f"ballistic limit{', 95 % interval' * any(row.interval_m_s for row in what_ifs)}" if last else ""
+        is_known = any(row.interval_m_s for row in what_ifs)
+        label = ("expected limit, 95 % interval" if is_known else "limit by the model") if last else ""
         drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
         velocities = [row.velocity_m_s for row in what_ifs]
         label = "velocity of the round" if last else ""
         drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
-        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.VERDICTS[threat.verdict]}")
+        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict_word(threat.verdict)}")
     return picture

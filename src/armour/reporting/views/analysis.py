@@ -140,6 +140,9 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 @tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability of stopping with the ballistic limit, and what it rests on."""
-    limit, probability = phrases.with_error(result.expected_limit_m_s, result.interval_m_s), result.probability_of_stopping
+    limit, probability = (
+        phrases.with_error(result.expected_limit_m_s, result.interval_m_s),
+        result.probability_of_stopping,
+    )
     stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
     return [Table.of_one(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]
