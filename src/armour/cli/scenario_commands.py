@@ -153,9 +153,9 @@ def check(
 ) -> None:
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
-    The exit code is 0 if the armour passes, is expected to stop every threat or is stopped by the model, and 3 otherwise.
-    It passes if it has all that is required, among it a probability. With several scenarios or a folder, there is a
-    line for each, and --json prints an array.
+    An armour passes if it has all that is required, a probability among it. The exit code is 0 if it passes, is
+    expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios or a folder, there
+    is a line for each, and --json prints an array.
 
     Examples
     --------

@@ -116,7 +116,7 @@ def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
     "own" is the required probability of stopping, if the threat has one, and "rod" the penetrator's length and diameter
     in mm.
     """
-    threat, bound = catalogue.threats[i], float(catalogue.bounds[i])
+    threat = catalogue.threats[i]
     most = threat.probability_of_perforation
     rows = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)))
     core = Parameters(*rows.parameters[i].tolist())
