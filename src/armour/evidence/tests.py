@@ -563,15 +563,9 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
     range of the tests, which is rounded inwards.
     """
     ceramic, tested, p = armours.materials[0].ceramic, tested_like(scenario, armours), armours.parameters
-    is_untested_here = ceramic is not None and bool(p.Hc0.item()) and is_untested(ceramic)
-    words = [f"{ceramic.name} (no test)"] if ceramic is not None and is_untested_here else []
-    for layer, thickness in (("tile", p.Hc0), ("plate", p.Hb)):
-        found_mm = float((thickness * armours.cosines).item()) / MM
-        low_mm, high_mm = tested.thicknesses_mm.get(layer, (0.0, np.inf))
-        if found_mm and not low_mm / FAR <= found_mm <= high_mm * FAR:
-            ends = np.ceil(10.0 * low_mm) / 10.0, np.floor(10.0 * high_mm) / 10.0
-            range_mm = " to ".join(dict.fromkeys(f"{end:g}" for end in ends))
-            words.append(f"{found_mm:.4g} mm {layer} (tested {range_mm} mm)")
+    sizes_mm = [(thickness * armours.cosines).item() / MM for thickness in np.array([p.Hc0, p.Hb])]
+    words = [f"{ceramic.name} (no test)"] if ceramic is not None and sizes_mm[0] and is_untested(ceramic) else []
+    words += filter(None, map(tested.far, LAYERS.values(), sizes_mm))
     return (*words, *tested.others)
 
 
@@ -580,6 +574,14 @@ class Tested(NamedTuple):
 
     thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
     others: tuple[str, ...]  # what else of the armour is far from that, in words
+
+    def far(self, layer: str, size_mm: float) -> str:
+        """Return the thickness of a layer, mm, with the range tested if it is far from that; otherwise ""."""
+        low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
+        if not size_mm or low / FAR <= size_mm <= high * FAR:
+            return ""
+        ends = np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0
+        return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
 
 
 def tested_like(scenario: Scenario, armours: Armours) -> Tested:

@@ -20,7 +20,7 @@ from armour.design.map import DesignMap, design_map, limits_over_sources, with_k
 from armour.design.requirements import VERDICTS, Requirement
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low
-from armour.evidence.tests import FAR, LEAST_SOURCES, against_each, limits_of_model, tested_like
+from armour.evidence.tests import LAYERS, LEAST_SOURCES, against_each, limits_of_model, tested_like
 from armour.reporting.formats import TEMPLATES, rendered
 from armour.reporting.views.design import METALS, verdict_word
 from armour.reporting.words import requirement_words
@@ -74,19 +74,15 @@ def design_page(
     content = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     texts = {ending: (TEMPLATES / f"map.{ending}").read_text() for ending in ("js", "css")}
     hashes = {ending: b64encode(sha256(text.encode()).digest()).decode() for ending, text in texts.items()}
-    return rendered("map.html", title=data["subject"], data=content, texts=texts, hashes=hashes)
+    return rendered("map.html", title=_subject(catalogue), data=content, texts=texts, hashes=hashes)
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:
     """Return the data of the page other than designs: requirements, the scenario's own armour, threats and notes."""
     section, scenario = catalogue.section, catalogue.scenario
     return {
-        "subject": _subject(catalogue),
-        "title": scenario.title,
-        "version": __version__,
         "verdicts": list(map(verdict_word, VERDICTS)),
         "usual": USUAL_PROBABILITY,
-        "far": FAR,
         "probability": section.required_probability,
         "most": section.areal_density_max_kg_m2,
         "thickest": section.thickness_max_mm,
@@ -141,8 +137,11 @@ def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
 
 
 def _notes(catalogue: Catalogue) -> Iterator[str]:
-    """Yield sentences on what the page leaves out."""
-    section = catalogue.section
+    """Yield sentences on what the page shows and leaves out."""
+    section, title = catalogue.section, catalogue.scenario.title
+    yield "Probabilities are those of one shot, far from edges and joints; firing tests are not replaced."
+    if catalogue.has_free_layer:
+        yield "Any thickness in a range without a step is on offer; between the steps of this map a lighter one may do."
     if section.minimise != "areal_density_kg_m2":
         objective = "cost" if section.minimise == COST_COLUMN else "thickness"
         yield f"The scenario asks for the least {objective}; this page compares areal densities."
@@ -158,6 +157,7 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
     bounds = {"thickness": section.thickness_max_mm, "cost": section.cost_max_per_m2}
     if bounded := [name for name, bound in bounds.items() if bound is not None]:
         yield f"Designs beyond the greatest {' or '.join(bounded)} of the scenario are drawn, but not chosen."
+    yield f"armour {__version__}{f'; scenario: {title}' * bool(title)}"
 
 
 def _pairs(catalogue: Catalogue, probabilities: tuple[float, ...], on_progress: OnProgress) -> list[dict[str, Any]]:
@@ -220,8 +220,6 @@ def _pair(
         "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
-        "sourced": not catalogue.lacks_sources[pair],
-        "metal": bool(catalogue.metal[pair]),
         "over": _over_sources(catalogue, designs),
         "tested": [_tested(catalogue, designs, tiled=tiled) for tiled in (False, True)],
         **_caveats(catalogue, designs),
@@ -232,9 +230,10 @@ def _pair(
 def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[str, Any] | None:
     """Return what tests tell of the designs with, or without, a tile; None if there are none.
 
-    "unsound" says why the model does not hold.  For each threat, "tile" and "plate" are the least and greatest
-    thicknesses tested, mm, "far" is what else is far from the tests, "source" and "floor" are the tests where the
-    probability is known and whether it is at least that, and "why" is the reason where it is not.
+    "unsound" says why the model does not hold, and "level" is the greatest that the designs then have in a search.  For
+    each threat, "tile" and "plate" are the least and greatest thicknesses tested, mm, "tiles" and "plates" words for
+    those on the page that are far from these, "far" what else is far, "source" and "floor" the tests where the
+    probability is known and whether it is at least that, and "why" the reason where it is not.
     """
     places = np.flatnonzero((designs.candidates.ceramic_mm > 0.0) == tiled)
     if not len(places):
@@ -248,17 +247,20 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
             for of_threat in (known[:, threat], ~known[:, threat])
         )
         _, error, _ = limit_and_error(row_known, ignore_progress)
-        thicknesses_mm, far = tested_like(catalogue.against(designs.pair, threat), row_known.armours)
+        tested = tested_like(catalogue.against(designs.pair, threat), row_known.armours)
+        sizes = zip(LAYERS.values(), (designs.ceramic_mm, designs.backing_mm), strict=True)
         of_threats.append(
             {
-                **thicknesses_mm,
-                "far": far,
+                **tested.thicknesses_mm,
+                **{f"{layer}s": [tested.far(layer, mm) for mm in sizes_mm.tolist()] for layer, sizes_mm in sizes},
+                "far": tested.others,
                 "source": "" if error is None else error.source,
                 "floor": error is not None and bool(error.at_least),
                 "why": "" if known[:, threat].all() else _why_unknown(row_unknown),
             }
         )
-    return {"unsound": _unsound(catalogue, designs.pair, tiled=tiled), "threats": of_threats}
+    level, unsound = _unsound(catalogue, designs.pair, tiled=tiled)
+    return {"unsound": unsound, "level": level, "threats": of_threats}
 
 
 def _why_unknown(row: Variants) -> str:
@@ -266,18 +268,18 @@ def _why_unknown(row: Variants) -> str:
     return row.why_error_unknown().partition(";")[0].partition(", which are of")[0]
 
 
-def _unsound(catalogue: Catalogue, pair: int, *, tiled: bool) -> str:
-    """Return why the model does not hold for a pair of materials, in words; "" if it does."""
+def _unsound(catalogue: Catalogue, pair: int, *, tiled: bool) -> tuple[int, str]:
+    """Return the greatest level that designs of a pair have in a search, and why the model does not hold, if so."""
     offer, ceramic = catalogue.offers[pair], catalogue.materials[pair].ceramic
     lacking = tiled and ceramic is not None and catalogue.lacks_sources[pair]
-    for quantity, required, found, is_unsound in (
-        ("backing_density_kg_m3", 0.0, offer.backing_density_kg_m3, not catalogue.metal[pair]),
-        ("interlayers", 0.0, 0.0, catalogue.scenario.interlayers),
-        ("flow_stress_sources", LEAST_SOURCES, 0 if ceramic is None else ceramic.sources, lacking),
+    for level, quantity, required, found, is_unsound in (
+        (0, "backing_density_kg_m3", 0.0, offer.backing_density_kg_m3, not catalogue.metal[pair]),
+        (2 if lacking else 3, "interlayers", 0.0, 0.0, catalogue.scenario.interlayers),
+        (2, "flow_stress_sources", LEAST_SOURCES, 0 if ceramic is None else ceramic.sources, lacking),
     ):
         if is_unsound:
-            return requirement_words(Requirement(quantity, "", required, found, "not known"))
-    return ""
+            return level, requirement_words(Requirement(quantity, "", required, found, "not known"))
+    return 4, ""
 
 
 def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:

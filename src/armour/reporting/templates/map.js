@@ -131,68 +131,56 @@ function speeds(pair, t, z) {
   }
   return pair.asked[key].values;
 }
-// Levels as in a search: the model does not hold, fails, rests on one source, not known or not stated, holds.
-const [NO_METAL, SHORT, ONE_SOURCE, REACHES, HOLDS] = [0, 1, 2, 3, 4];
+// Level of a design in a search: 1 fails, 2 rests on one source, 3 is not known or not stated, 4 holds; 0 is no metal.
 const states = (pair, k, t, z) => (tells(pair, k, t) ? pair.most[k * T + t] >= (z ?? 0) - 1e-6 : z === null);
 function level(pair, k, t, z) {
-  if (!pair.metal) return NO_METAL;
   // 32-bit floats are right to 1e-4 m/s.
-  if (speeds(pair, t, z)[k] < state.velocities[t] - 1e-4) return SHORT;
-  if (!pair.sourced && tile(pair, k)) return ONE_SOURCE;
-  return tells(pair, k, t) && states(pair, k, t, z) && !testsOf(pair, k).unsound ? HOLDS : REACHES;
+  const reaches = speeds(pair, t, z)[k] >= state.velocities[t] - 1e-4;
+  return min(testsOf(pair, k).level, !reaches ? 1 : tells(pair, k, t) && states(pair, k, t, z) ? 4 : 3);
 }
 const leastLevel = (pair, k, asked) => min(...asked.map((z, t) => level(pair, k, t, z)));
 const tooLow = (pair, k, t) => !tells(pair, k, t) && pair.low[t] && !tile(pair, k);
 // Verdict on a design against a threat, as check gives it.
 function verdict(pair, k, t, z = wanted()[t]) {
   if (testsOf(pair, k).unsound) return NOT_KNOWN;
-  if (level(pair, k, t, z) === SHORT) {
+  if (level(pair, k, t, z) === 1) {
     if (tooLow(pair, k, t)) return NOT_KNOWN;
     return z === null && !threats[t].margin && !tells(pair, k, t) ? PERFORATED : FAILS;
   }
   if (!states(pair, k, t, z)) return NOT_KNOWN;
   return z !== null ? PASSES : tells(pair, k, t) ? EXPECTED : STOPPED;
 }
-const judged = (pair, k, asked = wanted()) => min(light(pair, k) && !pair.excluded.has(k) ? PASSES : FAILS, ...asked.map((z, t) => verdict(pair, k, t, z)));
-const isGood = (pair, k, asked) => judged(pair, k, asked) >= STOPPED;
+const judged = (pair, k) => min(light(pair, k) && !pair.excluded.has(k) ? PASSES : FAILS, ...wanted().map((z, t) => verdict(pair, k, t, z)));
+const isGood = (pair, k) => judged(pair, k) >= STOPPED;
 
 // Lightest design of at least a level, of known probability if possible.
 function lightest(pair, least, asked = wanted()) {
   const key = [least, asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
   if (!found.has(key)) {
     if (found.size > 19) found.clear();
-    let other = null, known = null;
-    for (const k of pair.designs) {
-      if (!light(pair, k)) break;
-      if (leastLevel(pair, k, asked) < least) continue;
-      if (isKnown(pair, k)) {
-        known = k;
-        break;
-      }
-      other ??= k;
-    }
-    found.set(key, known ?? other);
+    const fits = k => light(pair, k) && leastLevel(pair, k, asked) >= least;
+    found.set(key, pair.designs.find(k => isKnown(pair, k) && fits(k)) ?? pair.designs.find(fits) ?? null);
   }
   return found.get(key);
 }
 // Design of a pair to show, as optimise does: the lightest of the highest level or, if all fail, the nearest.
 function answer(pair) {
-  for (const least of pair.metal ? [HOLDS, REACHES, ONE_SOURCE] : [NO_METAL]) {
-    const k = lightest(pair, least);
-    if (k !== null) return { k, level: least, lack: 0 };
+  for (const level of [4, 3, 2]) {
+    const k = lightest(pair, level);
+    if (k !== null) return { k, level, lack: 0 };
   }
   const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
   let k = null, lack = Infinity;
   for (const each of within.length ? within : pair.designs.slice(0, 1)) {
     const lacks = asked.map((z, t) => state.velocities[t] - speeds(pair, t, z)[each]);
-    // One of which it is not known that it fails comes first.
-    const by = max(...lacks) - 1e6 * lacks.every((by, t) => by <= 0 || tooLow(pair, each, t));
+    // One of which it is not known that it fails comes first; last of these, without a metal.
+    const by = testsOf(pair, each).level ? max(...lacks) - 1e6 * lacks.every((by, t) => by <= 0 || tooLow(pair, each, t)) : -1e5;
     if (by < lack) [k, lack] = [each, by];
   }
-  return { k, level: SHORT, lack };
+  return { k, level: 1, lack };
 }
 // What no required probability would give, where one is.
-const even = pair => (anyAsked() ? lightest(pair, HOLDS, NONE) : null);
+const even = pair => (anyAsked() ? lightest(pair, 4, NONE) : null);
 
 // Areal density of the lightest design over x, given the greatest x that a design reaches.
 function curve(pair, xs, reach) {
@@ -207,9 +195,9 @@ function curve(pair, xs, reach) {
   return ys;
 }
 function overProbability(pair, xs) {
-  const own = threats.map(t => t.own && scoreOf(t.own)), none = lightest(pair, HOLDS, own) ?? lightest(pair, REACHES, own);
+  const own = threats.map(t => t.own && scoreOf(t.own)), none = lightest(pair, 4, own) ?? lightest(pair, 3, own);
   const ys = curve(pair, xs.map(x => scoreOf(x / 100)), k =>
-    leastLevel(pair, k, own) === HOLDS ? min(...own.map((z, t) => (z === null ? scored(pair, k, t) : Infinity))) + 1e-6 : NaN);
+    leastLevel(pair, k, own) === 4 ? min(...own.map((z, t) => (z === null ? scored(pair, k, t) : Infinity))) + 1e-6 : NaN);
   return [none === null ? Infinity : pair.areal[none], ...ys.slice(1)];
 }
 function overVelocity(pair, t, xs) {
@@ -260,21 +248,22 @@ function thicknesses(pair, k) {
   const m = pair.backings.length;
   return [pair.ceramics[floor(k / m)], pair.backings[k % m]];
 }
-function armour(pair, k) {
-  const [c, b] = [tile(pair, k), thicknesses(pair, k)[1]];
-  return `${c ? `${trimmed(c)} mm ${pair.said} on ` : ""}${trimmed(b)} mm ${pair.backing}`;
+function layers(pair, k, ceramic, backing) {
+  const b = `${trimmed(thicknesses(pair, k)[1])} ${backing}`;
+  return tile(pair, k) ? `${trimmed(tile(pair, k))}${ceramic} on ${b}` : b;
 }
-function short(pair, k) {
-  const [c, b] = [tile(pair, k), thicknesses(pair, k)[1]];
-  return `${c ? `${trimmed(c)} on ` : ""}${trimmed(b)} mm`;
-}
+const armour = (pair, k) => layers(pair, k, ` mm ${pair.said}`, `mm ${pair.backing}`);
+const short = (pair, k) => layers(pair, k, "", "mm");
 const thickness = (pair, k) => tile(pair, k) + thicknesses(pair, k)[1] * !pair.hull + DATA.added.thickness;
 // The threat that decides: that of the worst verdict and, of equals, the likeliest to fail.
 function deciding(pair, k) {
   const by = threats.map((_, t) => [verdict(pair, k, t), tells(pair, k, t) ? below(scored(pair, k, t)) - required()[t] : limit(pair, k, t) - state.velocities[t] - threats[t].margin]);
   return threats.map((_, t) => t).sort((a, b) => by[a][0] - by[b][0] || by[a][1] - by[b][1])[0];
 }
-const worst = (pair, k) => stops(pair, k, deciding(pair, k));
+function worst(pair, k) {
+  const t = deciding(pair, k);
+  return tells(pair, k, t) ? stops(pair, k, t) : DATA.verdicts[verdict(pair, k, t)];
+}
 // The probability required against all threats; null: others against some.
 function percent() {
   const asked = new Set(required());
@@ -283,27 +272,20 @@ function percent() {
 const doesStop = () => (percent() && !margins ? `stops with ${percent()}` : "does what is required");
 const byModel = (pair, k, t) => (tells(pair, k, t) ? "expected" : "by the model");
 const limitText = (pair, k, t) => beside(limit(pair, k, t), state.velocities[t] + threats[t].margin, 0);
-// Speed up to which a shot is stopped with the required or the usual probability, in words; "" where that is not stated.
+// Speed up to which a shot is stopped with the required or the usual probability; "" where that is not stated.
+const usual = t => required()[t] ?? DATA.usual;
 function safe(pair, k, t) {
-  const z = scoreOf(required()[t] ?? DATA.usual), d = k * T + t;
+  const z = scoreOf(usual(t)), d = k * T + t;
   return tells(pair, k, t) && pair.most[d] >= z - 1e-6 ? `${beside(stopped(pair, d, z), state.velocities[t], 0)} m/s` : "";
 }
-const safeWords = t => `${trimmed(100 * (required()[t] ?? DATA.usual))} % up to`;
 // In what a design is far from the tests.
 function far(pair, k, t) {
-  const tests = testsOf(pair, k).threats[t], words = pair.untested && tile(pair, k) ? [`${pair.ceramic} (no test)`] : [];
-  for (const [layer, mm] of [["tile", tile(pair, k)], ["plate", thicknesses(pair, k)[1]]]) {
-    const [low, high] = tests[layer] ?? [0, Infinity], ends = new Set([ceil(10 * low) / 10, floor(10 * high) / 10]);
-    if (mm && (mm < low / DATA.far || mm > high * DATA.far)) words.push(`${+mm.toPrecision(4)} mm ${layer} (tested ${[...ends].join(" to ")} mm)`);
-  }
-  return [...words, ...tests.far].join(", ");
+  const { tiles, plates, far } = testsOf(pair, k).threats[t], m = pair.backings.length;
+  return [pair.untested && tile(pair, k) ? `${pair.ceramic} (no test)` : "", tiles[floor(k / m)], plates[k % m], ...far].filter(Boolean).join(", ");
 }
 const isFar = (pair, k) => threats.some((_, t) => far(pair, k, t));
-// The distributions of inputs are not sampled here.
-const exact = DATA.exact ? ", with exact inputs" : "";
-
 // What optimise and check say of a design.
-function headline(pair, { k, level }) {
+function headline(pair, k) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
   const found = judged(pair, k), most = [[pair.areal[k], state.most, "kg/m²"], [thickness(pair, k), DATA.thickest ?? Infinity, "mm"]];
   const amounts = most.map(([value, bound, unit]) => `${beside(value, bound, 1, true).replace(unit === "mm" ? /\.0$/ : "", "")}${isFinite(bound) ? ` of at most ${trimmed(bound)}` : ""} ${unit}`);
@@ -318,7 +300,7 @@ function sentence(pair, k) {
 }
 function reasons(pair, k, t) {
   const tests = testsOf(pair, k), found = verdict(pair, k, t), p = required()[t], { margin } = threats[t], name = shot(t);
-  const asked = `(${p === null ? "none required" : `${trimmed(100 * p)} % required`})${exact}`, limited = `limit ${limitText(pair, k, t)} m/s`;
+  const asked = `(${p === null ? "none required" : `${trimmed(100 * p)} % required`})${DATA.exact ? ", with exact inputs" : ""}`, limited = `limit ${limitText(pair, k, t)} m/s`;
   if (tests.unsound) return tests.unsound;
   const above = limit(pair, k, t) - state.velocities[t] + 1e-4;
   if (margin && above < margin) return `${limited} ${byModel(pair, k, t)} against ${name}; ${margin} m/s above it required`;
@@ -329,16 +311,10 @@ function reasons(pair, k, t) {
 }
 function besides(pair, best, ring) {
   const words = best === null ? [] : pair.caveats.filter(each => thicknesses(pair, best)[0] <= each[1]).map(each => each[0]);
-  if (ring !== null && best !== null && pair.areal[best] > pair.areal[ring]) {
-    const more = pair.areal[best] - pair.areal[ring];
-    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops with 50 %: what is required weighs ${areal(more)} kg/m² (${round(100 * more / pair.areal[ring])} %) more.`);
-  }
-  const rival = DATA.pairs.map(p => [p, answer(p)]).filter(each => each[0] !== pair).sort(better)[0];
-  if (rival && better(rival, [pair, answer(pair)]) < 0) words.push(`${armour(rival[0], rival[1].k)} is better, ${areal(rival[0].areal[rival[1].k])} kg/m².`);
-  if (pair.free.some(Boolean)) words.push("Any thickness is on offer; of those between the steps of this map a lighter one may do.");
+  if (ring !== null) words.push(`Without a required probability: ${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m².`);
   return words.join(" ");
 }
-// Order of pairs by what is shown of them: by level, known probability, lack and areal density.
+// Order of pairs by what is shown of them.
 function better([p, a], [q, b]) {
   if (a.k === null || b.k === null) return (a.k === null) - (b.k === null);
   return b.level - a.level || isKnown(q, b.k) - isKnown(p, a.k) || a.lack - b.lack || p.areal[a.k] - q.areal[b.k];
@@ -388,7 +364,7 @@ const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFi
 function ticks(low, high, count) {
   const raw = (high - low) / count || 1, power = 10 ** floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find(m => m * power >= raw * 0.999), found = [];
-  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) found.push(+(n * step).toPrecision(12));
+  for (let n = ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) found.push(+(n * step).toPrecision(12));
   return found;
 }
 
@@ -475,9 +451,7 @@ function viewOf(pair) {
   if (!flat) return lineViewOf(pair, { pair, narrow, width, height, frame, n: pair.ceramics.length, m: pair.backings.length }, scale);
   const across = scale(pair.backings, frame.left, frame.right), up = scale(pair.ceramics, frame.bottom, frame.top);
   const [x, y] = [pair.backings.map(across.at), pair.ceramics.map(up.at)];
-  const near = [[x, width], [y, height]].map(([places, size]) =>
-    Array.from({ length: size }, (_, at) => places.reduce((best, place, n) => (abs(place - at) < abs(places[best] - at) ? n : best), 0)));
-  return { pair, grey: {}, equal: {}, near, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
+  return { pair, grey: {}, equal: {}, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
 }
 
 // How far a design exceeds what is required, m/s, over the thickness if only one varies.
@@ -525,7 +499,7 @@ function label(lines, said, of) {
   const { taken, words } = view;
   const line = lines.reduce((a, b) => (b.length > a.length ? b : a), []), half = 3.2 * said.length;
   let best = null, most = 8;
-  for (let s = 1; s < line.length - 1; s += Math.ceil(line.length / 40)) {
+  for (let s = 1; s < line.length - 1; s += ceil(line.length / 40)) {
     const [x, y] = line[s], [a, b] = [line[max(s - 3, 0)], line[min(s + 3, line.length - 1)]];
     let angle = Math.atan2(b[1] - a[1], b[0] - a[0]);
     if (abs(angle) > Math.PI / 2) angle -= Math.PI * Math.sign(angle);
@@ -537,25 +511,11 @@ function label(lines, said, of) {
   taken.push(...points);
   words.append(text(x, y + 4, said, `halo mid small ${of}`, { transform: `rotate(${(angle * 180 / Math.PI).toFixed(1)} ${x.toFixed(1)} ${y.toFixed(1)})` }));
 }
-// Put words where a field is above 0 and has most room.
-function caption(field, said, of) {
-  const { frame, near, m, taken, words } = view, half = 3.6 * said.length;
-  let best = null, most = 14;
-  const inside = (x, y) => field[near[1][round(y)] * m + near[0][round(x)]] > 0;
-  for (let y = frame.top + 20; y < frame.bottom - 12; y += 20)
-    for (let x = frame.left + half + 8; x < frame.right - half - 8; x += 20) {
-      if (!inside(x - half, y + 10) || !inside(x + half, y - 14) || !inside(x + half, y + 10) || !inside(x - half, y - 14)) continue;
-      const points = [[x - half, y], [x, y], [x + half, y]], room = roomOf(points);
-      if (room > most) [best, most] = [points, room];
-    }
-  if (best === null) return;
-  taken.push(...best);
-  words.append(text(best[1][0], best[1][1] + 4, said, `halo mid ${of}`));
-}
-
 function limitLines(pair, t) {
-  const own = pair.areal.map((_, k) => limit(pair, k, t)), group = svg("g");
-  const sorted = own.slice().sort(), lines = ticks(sorted[0], sorted.at(-1), view.narrow ? 6 : 12).map(level => [level, contour(view, own, level)]);
+  // Limits change at once where no probability is known.
+  const own = [false, true].map(known => pair.areal.map((_, k) => (tells(pair, k, t) === known ? limit(pair, k, t) : NaN))), group = svg("g");
+  const every = own.flatMap(some => [...some].filter(isFinite)), low = min(...every), high = max(...every);
+  const lines = ticks(low, high, view.narrow ? 6 : 12).map(level => [level, own.flatMap(some => contour(view, some, level))]);
   for (const [, found] of lines) group.append(...found.map(line => path(line, "grey")));
   return { lines, group };
 }
@@ -567,10 +527,11 @@ function drawMap(pair, best, ring) {
   const keeps = k => sound(k) && (isKnown(pair, k) || !pair.known) && asked.every((z, t) => states(pair, k, t, z));
   const fields = {
     asked: reserve(pair, asked, keeps), byModel: reserve(pair, NONE, k => !isKnown(pair, k)),
+    unstated: reserve(pair, asked, k => isKnown(pair, k) && sound(k)),
     fails: pair.areal.map((_, k) => (isKnown(pair, k) && sound(k) ? max(...threats.map((_, t) => state.velocities[t] - limit(pair, k, t))) : NaN)),
   };
   if (!flat) drawLines(pair, lines, words);
-  else areas.append(area(view, fields.byModel.map(v => (pair.known || anyAsked()) - isNaN(v)), 1e-3, "unknown"), area(view, fields.fails, 0, "fails"), area(view, fields.asked, 0, "stops"));
+  else areas.append(area(view, fields.byModel.map(v => (pair.known || anyAsked()) - isNaN(v)), 1e-3, "unknown"), area(view, fields.unstated, 0, "unknown"), area(view, fields.fails, 0, "fails"), area(view, fields.asked, 0, "stops"));
 
   // Designs first: labels of lines keep clear of their words.
   const right = [], bestOf = best !== null && isGood(pair, best) ? "best" : "poor";
@@ -622,18 +583,13 @@ function drawMap(pair, best, ring) {
     if (pair.known) {
       drawn(fields.fails, "red", "stops with 50 %", "t-red");
       if (anyAsked() || margins) drawn(fields.asked, "blue", doesStop(), "t-blue");
-      caption(fields.fails, "below 50 %", "t-red");
-      caption(fields.asked, doesStop() + (percent() && !margins ? " or more" : ""), "t-blue");
-      if (anyAsked() && percent() && !margins) label(contour(view, fields.asked.map((each, k) => each - fields.fails[k]), 0), `50 to ${percent()}`, "t-soft");
       if (anyAsked() && T > 1 && T < 5) threats.forEach((_, t) => drawn(reserve(pair, asked, keeps, t), "blue fine", mark(t), "t-blue"));
     }
     if (grey)
       for (const [level, found] of grey.lines) label(found, String(level), "t-soft");
     lines.append(front);
   }
-  if (pair.onOffer.length <= 400) {
-    for (const k of pair.onOffer) lines.append(spot(pair, k, placeOf(pair, k), 2.6, isGood(pair, k) ? "dot on" : "dot"));
-  }
+  if (pair.onOffer.length <= 400) for (const k of pair.onOffer) lines.append(spot(pair, k, placeOf(pair, k), 2.6, isGood(pair, k) ? "dot on" : "dot"));
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
   const bottom = flat ? pair.backings : view.values, marked = bottom.length > 1 ? ticks(across.low, across.high, view.narrow ? 5 : 8) : bottom;
@@ -641,14 +597,14 @@ function drawMap(pair, best, ring) {
   for (const c of flat || view.line ? ticks(up.low, up.high, view.narrow ? 5 : 9) : [])
     axes.append(text(frame.left - 6, up.at(c) + 4, flat ? trimmed(c) : (c > 0 ? "+" : "") + trimmed(c).replace("-", "−"), "t-soft end"));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair))}`);
+  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair).k)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
-  const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : [`Thin: equal limit, ${pair.known ? "expected" : "by the model"}, m/s.`])]
+  const tints = pair.known ? `Blue: ${doesStop()}. Red: stops with less than 50 %. Grey: not known.` : anyAsked() ? "Grey: not known." : "Blue: stopped by the model.";
+  const legend = flat ? [tints, "Dotted: equal areal density.", ...(state.lines === "none" ? [] : [`Thin: equal limit, ${pair.known ? "expected" : "by the model"}, m/s.`])]
     : [...(T > 1 ? ["A line for each threat."] : []), ...(pair.over ? [`Band${T > 3 ? " of the threat that decides" : "s"}: limits by the model over the flow stresses that sources give.`] : [])];
-  said.push(`${pair.onOffer.length <= 400 ? `Dots: on offer, blue where ${anyAsked() ? "what is required is kept" : "a shot is stopped"}. ` : ""}Hollow: far from the tests.`);
+  legend.push(`${pair.onOffer.length <= 400 ? `Dots: on offer, blue where ${anyAsked() ? "what is required is kept" : "a shot is stopped"}. ` : ""}Hollow: far from the tests.`);
   $("options").style.display = flat ? "" : "none";
-  said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
-  $("keys").textContent = said.join(" ");
+  $("legend").textContent = legend.join(" ");
   $("areal-name").hidden = !flat;
   const [up_, right_] = [`ceramic ${pair.said}, mm`, `plate ${pair.backing}, mm`], lineOf = !pair.known ? "limit by the model" : anyAsked() ? "speed that is stopped as required" : "expected limit";
   $("y-name").textContent = flat ? `↑ ${up_}` : `↑ ${lineOf}, less velocity${margins ? " and margin" : ""}, m/s`;
@@ -706,13 +662,13 @@ function drawPairs() {
 function drawCurve(slider, xs, ys, value) {
   const real = ys.filter(isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
   picture.replaceChildren();
-  if (!real.length) return picture.append(text(4, 28, current().known ? "none" : "not known", "t-soft small"));
+  if (!real.length) return picture.append(text(4, 28, "none", "t-soft small"));
   const low = min(...real), high = max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
   const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => isFinite(ys[n]));
   picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft small"));
   const [end, top] = points.at(-1);
   if (end - at(value) > 80) picture.append(text(end, top - 5, areal(real.at(-1)), "t-soft small end"));
-  if (end < 215) picture.append(text(300, 40, current().known ? "none" : "not known", "t-soft small end"));
+  if (end < 215) picture.append(text(300, 40, "none", "t-soft small end"));
   const pair = current(), { k: best } = answer(pair);
   if (best === null || !isGood(pair, best)) return;
   const x = at(value), y = up(pair.areal[best]);
@@ -751,7 +707,7 @@ function makeSliders() {
       value => { state.velocities[t] = value; },
       made => drawCurve(made, xs, overVelocity(current(), t, xs), state.velocities[t]), many ?? $("sliders"));
   });
-  const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = floor(min(...every)), high = Math.ceil(max(...every));
+  const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = floor(min(...every)), high = ceil(max(...every));
   slider("Greatest areal density", low, high, 0.5, min(state.most, high), () => (state.most < Infinity ? `${trimmed(state.most)} kg/m²` : "any"),
     value => { state.most = value < high ? value : Infinity; });
 }
@@ -803,7 +759,7 @@ function drawDesign(pair, best) {
   const pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(thickness(pair, k))} mm thick`, k === best ? html("span", { class: "t-blue" }, ` ${headline(pair, answer(pair)).split(":")[0]}${exact}`) : null));
+  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(thickness(pair, k))} mm thick`));
   if (k !== best) box.append(html("p", { class: COLOURS[judged(pair, k)] }, sentence(pair, k)));
   box.append(crossSection(pair, k));
   const row = (name, value, of) => value && box.append(html("div", { class: "row" }, html("span", {}, name), html(of ?? "b", {}, value)));
@@ -813,7 +769,7 @@ function drawDesign(pair, best) {
     row("stops", stops(pair, k, t));
     if (tells(pair, k, t)) box.append(distribution(pair, d, state.velocities[t]));
     row(`limit ${byModel(pair, k, t)}`, `${limitText(pair, k, t)} m/s${over ? `, ${over} over the sources` : ""}`);
-    row(safeWords(t), safe(pair, k, t));
+    row(`${trimmed(100 * usual(t))} % up to`, safe(pair, k, t));
     row("far from the tests", far(pair, k, t), "i");
   });
   box.append(button(pinned ? "Remove the pin" : "Pin this design", () => pin(k)));
@@ -859,10 +815,8 @@ function drawNotes(pair) {
   const said = [
     DATA.answer.length && `As the scenario asks: ${DATA.answer.join("; ")}.`,
     pair.known && `Probabilities of ${pair.name} rest on: ${[...new Set(pair.tested.flatMap(tests => tests?.threats.map(each => each.source) ?? []))].filter(Boolean).join("; ")}.`,
-    "Probabilities are those of one shot, far from edges and joints; firing tests are not replaced.",
     `${pair.onOffer.length.toLocaleString("en")} designs of this pair are ${pair.free.some(Boolean) ? "shown" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
-    (pair.known ? pair.unknown.includes(1) : anyAsked()) && "Grey: the probability is not known, as no test is like these designs.",
-    ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; scenario: ${DATA.title}` : ""}`,
+    ...DATA.notes,
   ];
   $("notes").replaceChildren(...said.filter(Boolean).map(each => html("p", {}, each)));
 }
@@ -872,7 +826,7 @@ let frame = null;
 function draw() {
   frame = null;
   const pair = current(), found = answer(pair), best = found.k, ring = even(pair);
-  $("headline").textContent = headline(pair, found);
+  $("headline").textContent = headline(pair, best);
   $("verdict").textContent = best === null ? "" : sentence(pair, best);
   $("verdict").className = best === null ? "" : COLOURS[judged(pair, best)];
   $("beside").textContent = besides(pair, best, ring);
@@ -919,7 +873,6 @@ function keyed(event) {
 function start() {
   DATA.pairs.forEach(decoded);
   state.pair = DATA.pairs.map((p, n) => [p, answer(p), n]).sort(better)[0][2];
-  $("about").textContent = DATA.subject;
   for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `limit against ${mark(t)}` : "limit"));
   $("lines").append(html("option", { value: "none" }, "areal density only"));
   makeSliders();
