@@ -107,7 +107,7 @@ const current = () => DATA.pairs[state.pair];
 const required = () => threats.map(t => t.own ?? (state.probability === null ? null : state.probability / 100));
 const wanted = () => required().map(p => p && scoreOf(p));
 const anyAsked = () => required().some(p => p !== null);
-const NONE = threats.map(() => null), margins = threats.some(t => t.margin);
+const none = threats.map(() => null), margins = threats.some(t => t.margin);
 
 // Whether tests tell how likely a design is to stop a shot; if so, the score that is stated, else NaN.
 const tells = (pair, k, t) => !isNaN(pair.stops[(k * T + t) * Q]);
@@ -115,7 +115,7 @@ const isKnown = (pair, k) => !pair.unknown[k];
 const scored = (pair, k, t) => min(byTests(pair, k * T + t, state.velocities[t]), pair.most[k * T + t]);
 // Limit of a design: the expected one or, where no tests tell, that by the model.
 const limit = (pair, k, t) => (tells(pair, k, t) ? pair.stops[(k * T + t) * Q + EVEN] : pair.limits[k * T + t]);
-const tile = (pair, k) => thicknesses(pair, k)[0] * !!pair.ceramic;
+const tile = (pair, k) => thicknesses(pair, k)[0];
 const testsOf = (pair, k) => pair.tested[+(tile(pair, k) > 0)];
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
 
@@ -143,10 +143,8 @@ const tooLow = (pair, k, t) => !tells(pair, k, t) && pair.low[t] && !tile(pair, 
 // Verdict on a design against a threat, as check gives it.
 function verdict(pair, k, t, z = wanted()[t]) {
   if (testsOf(pair, k).unsound) return NOT_KNOWN;
-  if (level(pair, k, t, z) === 1) {
-    if (tooLow(pair, k, t)) return NOT_KNOWN;
-    return z === null && !threats[t].margin && !tells(pair, k, t) ? PERFORATED : FAILS;
-  }
+  const fails = z === null && !threats[t].margin && !tells(pair, k, t) ? PERFORATED : FAILS;
+  if (level(pair, k, t, z) === 1) return tooLow(pair, k, t) ? NOT_KNOWN : fails;
   if (!states(pair, k, t, z)) return NOT_KNOWN;
   return z !== null ? PASSES : tells(pair, k, t) ? EXPECTED : STOPPED;
 }
@@ -166,8 +164,8 @@ function lightest(pair, least, asked = wanted()) {
 // Design of a pair to show, as optimise does: the lightest of the highest level or, if all fail, the nearest.
 function answer(pair) {
   for (const level of [4, 3, 2]) {
-    const k = lightest(pair, level);
-    if (k !== null) return { k, level, lack: 0 };
+    const found = lightest(pair, level);
+    if (found !== null) return { k: found, level, lack: 0 };
   }
   const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
   let k = null, lack = Infinity;
@@ -180,7 +178,7 @@ function answer(pair) {
   return { k, level: 1, lack };
 }
 // What no required probability would give, where one is.
-const even = pair => (anyAsked() ? lightest(pair, 4, NONE) : null);
+const even = pair => (anyAsked() ? lightest(pair, 4, none) : null);
 
 // Areal density of the lightest design over x, given the greatest x that a design reaches.
 function curve(pair, xs, reach) {
@@ -195,10 +193,10 @@ function curve(pair, xs, reach) {
   return ys;
 }
 function overProbability(pair, xs) {
-  const own = threats.map(t => t.own && scoreOf(t.own)), none = lightest(pair, 4, own) ?? lightest(pair, 3, own);
+  const own = threats.map(t => t.own && scoreOf(t.own)), first = lightest(pair, 4, own) ?? lightest(pair, 3, own);
   const ys = curve(pair, xs.map(x => scoreOf(x / 100)), k =>
     leastLevel(pair, k, own) === 4 ? min(...own.map((z, t) => (z === null ? scored(pair, k, t) : Infinity))) + 1e-6 : NaN);
-  return [none === null ? Infinity : pair.areal[none], ...ys.slice(1)];
+  return [pair.areal[first] ?? Infinity, ...ys.slice(1)];
 }
 function overVelocity(pair, t, xs) {
   const asked = wanted(), fast = speeds(pair, t, asked[t]);
@@ -220,7 +218,7 @@ function reserve(pair, asked, keeps, only) {
 
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
-// Rounded half up, but to the unsafe side where it would seem to keep the bound.
+// As `beside` of Python.
 function beside(value, bound, digits, atMost) {
   if (isFinite(bound)) digits = max(digits, (String(+bound.toPrecision(10)).split(".")[1] ?? "").length);
   const scale = 10 ** digits, side = atMost ? -1 : 1;
@@ -248,22 +246,19 @@ function thicknesses(pair, k) {
   const m = pair.backings.length;
   return [pair.ceramics[floor(k / m)], pair.backings[k % m]];
 }
-function layers(pair, k, ceramic, backing) {
-  const b = `${trimmed(thicknesses(pair, k)[1])} ${backing}`;
-  return tile(pair, k) ? `${trimmed(tile(pair, k))}${ceramic} on ${b}` : b;
-}
+const layers = (pair, k, ceramic, backing) => `${tile(pair, k) ? `${trimmed(tile(pair, k))}${ceramic} on ` : ""}${trimmed(thicknesses(pair, k)[1])} ${backing}`;
 const armour = (pair, k) => layers(pair, k, ` mm ${pair.said}`, `mm ${pair.backing}`);
 const short = (pair, k) => layers(pair, k, "", "mm");
 const thickness = (pair, k) => tile(pair, k) + thicknesses(pair, k)[1] * !pair.hull + DATA.added.thickness;
 // The threat that decides: that of the worst verdict and, of equals, the likeliest to fail.
 function deciding(pair, k) {
-  const by = threats.map((_, t) => [verdict(pair, k, t), tells(pair, k, t) ? below(scored(pair, k, t)) - required()[t] : limit(pair, k, t) - state.velocities[t] - threats[t].margin]);
-  return threats.map((_, t) => t).sort((a, b) => by[a][0] - by[b][0] || by[a][1] - by[b][1])[0];
+  const by = threats.map((_, t) => {
+    const known = tells(pair, k, t), shown = limit(pair, k, t), v = state.velocities[t];
+    return [verdict(pair, k, t), known ? below(scored(pair, k, t)) - required()[t] : shown - v - threats[t].margin, shown / v];
+  });
+  return [...by.keys()].sort((a, b) => by[a][0] - by[b][0] || by[a][1] - by[b][1] || by[a][2] - by[b][2])[0];
 }
-function worst(pair, k) {
-  const t = deciding(pair, k);
-  return tells(pair, k, t) ? stops(pair, k, t) : DATA.verdicts[verdict(pair, k, t)];
-}
+const worst = (pair, k, t = deciding(pair, k)) => (tells(pair, k, t) ? stops(pair, k, t) : DATA.verdicts[verdict(pair, k, t)]);
 // The probability required against all threats; null: others against some.
 function percent() {
   const asked = new Set(required());
@@ -284,19 +279,20 @@ function far(pair, k, t) {
   return [pair.untested && tile(pair, k) ? `${pair.ceramic} (no test)` : "", tiles[floor(k / m)], plates[k % m], ...far].filter(Boolean).join(", ");
 }
 const isFar = (pair, k) => threats.some((_, t) => far(pair, k, t));
+const bounded = (pair, k) => [["areal density", pair.areal[k], state.most, "kg/m²"], ["thickness", thickness(pair, k), DATA.thickest ?? Infinity, "mm"]];
 // What optimise and check say of a design.
 function headline(pair, k) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
-  const found = judged(pair, k), most = [[pair.areal[k], state.most, "kg/m²"], [thickness(pair, k), DATA.thickest ?? Infinity, "mm"]];
-  const amounts = most.map(([value, bound, unit]) => `${beside(value, bound, 1, true).replace(unit === "mm" ? /\.0$/ : "", "")}${isFinite(bound) ? ` of at most ${trimmed(bound)}` : ""} ${unit}`);
-  return `${found <= PERFORATED ? "nearest" : found <= STOPPED ? "lightest by the model" : "lightest"}: ${armour(pair, k)}, ${amounts.join(", ")}`;
+  const found = judged(pair, k), least = found <= PERFORATED ? "nearest" : found <= STOPPED ? "lightest by the model" : "lightest";
+  const amounts = bounded(pair, k).map(([, value, most, unit]) => `${beside(value, most, 1, true).replace(unit === "mm" ? /\.0$/ : "", "")}${isFinite(most) ? ` of at most ${trimmed(most)}` : ""} ${unit}`);
+  return `${least}: ${armour(pair, k)}, ${amounts.join(", ")}`;
 }
 function sentence(pair, k) {
-  const found = judged(pair, k), each = threats.map((_, t) => verdict(pair, k, t)), word = DATA.verdicts[found];
-  if (!light(pair, k)) return `${word}: areal density ${beside(pair.areal[k], state.most, 1, true)} kg/m², at most ${trimmed(state.most)} kg/m² allowed`;
-  if (pair.excluded.has(k)) return `${word}: beyond the limits of [design]`;
-  const alike = T > 1 && new Set(each).size === 1 ? " against every threat" : "", kept = margins || DATA.limited || DATA.thickest || isFinite(state.most);
-  return `${word}${alike}: ${reasons(pair, k, deciding(pair, k))}${kept && (found === STOPPED || found === EXPECTED) ? "; keeps all limits of [design]" : ""}`;
+  const found = judged(pair, k), word = DATA.verdicts[found], alike = T > 1 && new Set(threats.map((_, t) => verdict(pair, k, t))).size === 1;
+  const over = bounded(pair, k).filter(([, value, most]) => value > most + 1e-9).map(([what, value, most, unit]) => `${what} ${beside(value, most, 1, true)} ${unit}, at most ${trimmed(most)} ${unit} allowed`);
+  if (over.length || pair.excluded.has(k)) return `${word}: ${over.join("; ") || "cost beyond the most allowed"}`;
+  const kept = (margins || DATA.limited || DATA.thickest || isFinite(state.most)) && (found === STOPPED || found === EXPECTED);
+  return `${word}${alike ? " against every threat" : ""}: ${reasons(pair, k, deciding(pair, k))}${kept ? "; keeps all limits of [design]" : ""}`;
 }
 function reasons(pair, k, t) {
   const tests = testsOf(pair, k), found = verdict(pair, k, t), p = required()[t], { margin } = threats[t], name = shot(t);
@@ -514,8 +510,8 @@ function label(lines, said, of) {
 function limitLines(pair, t) {
   // Limits change at once where no probability is known.
   const own = [false, true].map(known => pair.areal.map((_, k) => (tells(pair, k, t) === known ? limit(pair, k, t) : NaN))), group = svg("g");
-  const every = own.flatMap(some => [...some].filter(isFinite)), low = min(...every), high = max(...every);
-  const lines = ticks(low, high, view.narrow ? 6 : 12).map(level => [level, own.flatMap(some => contour(view, some, level))]);
+  const every = [...pair.areal.keys()].map(k => limit(pair, k, t)), levels = ticks(min(...every), max(...every), view.narrow ? 6 : 12);
+  const lines = levels.map(level => [level, own.flatMap(some => contour(view, some, level))]);
   for (const [, found] of lines) group.append(...found.map(line => path(line, "grey")));
   return { lines, group };
 }
@@ -526,7 +522,7 @@ function drawMap(pair, best, ring) {
   const asked = wanted(), sound = k => !testsOf(pair, k).unsound, flat = !view.line;
   const keeps = k => sound(k) && (isKnown(pair, k) || !pair.known) && asked.every((z, t) => states(pair, k, t, z));
   const fields = {
-    asked: reserve(pair, asked, keeps), byModel: reserve(pair, NONE, k => !isKnown(pair, k)),
+    asked: reserve(pair, asked, keeps), byModel: reserve(pair, none, k => !isKnown(pair, k)),
     unstated: reserve(pair, asked, k => isKnown(pair, k) && sound(k)),
     fails: pair.areal.map((_, k) => (isKnown(pair, k) && sound(k) ? max(...threats.map((_, t) => state.velocities[t] - limit(pair, k, t))) : NaN)),
   };
@@ -593,20 +589,20 @@ function drawMap(pair, best, ring) {
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
   const bottom = flat ? pair.backings : view.values, marked = bottom.length > 1 ? ticks(across.low, across.high, view.narrow ? 5 : 8) : bottom;
-  for (const b of marked) if (abs(across.at(b) - frame.left) < width && across.at(b) <= frame.right && across.at(b) >= frame.left) axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
-  for (const c of flat || view.line ? ticks(up.low, up.high, view.narrow ? 5 : 9) : [])
+  for (const b of marked) axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
+  for (const c of ticks(up.low, up.high, view.narrow ? 5 : 9))
     axes.append(text(frame.left - 6, up.at(c) + 4, flat ? trimmed(c) : (c > 0 ? "+" : "") + trimmed(c).replace("-", "−"), "t-soft end"));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
   box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair).k)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
-  const tints = pair.known ? `Blue: ${doesStop()}. Red: stops with less than 50 %. Grey: not known.` : anyAsked() ? "Grey: not known." : "Blue: stopped by the model.";
+  const tints = pair.known ? `Blue: ${doesStop()}. Red: below 50 %. Grey: not known.` : anyAsked() ? "Grey: not known." : "Blue: stopped by the model.";
   const legend = flat ? [tints, "Dotted: equal areal density.", ...(state.lines === "none" ? [] : [`Thin: equal limit, ${pair.known ? "expected" : "by the model"}, m/s.`])]
-    : [...(T > 1 ? ["A line for each threat."] : []), ...(pair.over ? [`Band${T > 3 ? " of the threat that decides" : "s"}: limits by the model over the flow stresses that sources give.`] : [])];
-  legend.push(`${pair.onOffer.length <= 400 ? `Dots: on offer, blue where ${anyAsked() ? "what is required is kept" : "a shot is stopped"}. ` : ""}Hollow: far from the tests.`);
+    : pair.over ? [`Band${T > 3 ? " of the threat that decides" : "s"}: limits by the model over the flow stresses that sources give.`] : [];
+  legend.push(pair.onOffer.length > 400 ? "" : "Dots: on offer, blue where they hold.", "Hollow: far from the tests.");
   $("options").style.display = flat ? "" : "none";
   $("legend").textContent = legend.join(" ");
   $("areal-name").hidden = !flat;
-  const [up_, right_] = [`ceramic ${pair.said}, mm`, `plate ${pair.backing}, mm`], lineOf = !pair.known ? "limit by the model" : anyAsked() ? "speed that is stopped as required" : "expected limit";
+  const [up_, right_] = [`tile ${pair.said}, mm`, `plate ${pair.backing}, mm`], lineOf = !pair.known ? "limit by the model" : anyAsked() ? "speed that is stopped as required" : "expected limit";
   $("y-name").textContent = flat ? `↑ ${up_}` : `↑ ${lineOf}, less velocity${margins ? " and margin" : ""}, m/s`;
   $("x-name").textContent = `${flat || view.m > 1 ? right_ : up_} →`;
   drawOver(pair);
@@ -651,7 +647,7 @@ function drawPairs() {
     if (ring !== null) picture.append(spot(pair, ring, [at(pair.areal[ring]), 9], 4, "even"));
     const found = best === null ? FAILS : judged(pair, best);
     if (best !== null) picture.append(spot(pair, best, [at(pair.areal[best]), 9], 5, found >= STOPPED ? "best" : "poor"));
-    const said = best === null ? "none" : found === STOPPED ? `${areal(pair.areal[best])} by the model` : `${areal(pair.areal[best])}${found > STOPPED ? "" : `, ${DATA.verdicts[found]}`}`;
+    const said = best === null ? "none" : areal(pair.areal[best]) + (found > STOPPED ? "" : found === STOPPED ? " by the model" : `, ${DATA.verdicts[found]}`);
     picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);
   }));
@@ -714,7 +710,7 @@ function makeSliders() {
 
 function crossSection(pair, k) {
   const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = max(...rods.map(r => r[0]));
-  const [front, between, behind] = DATA.layers, layers = [...front, ["ceramic", c * !!pair.ceramic], ...between, ["metal", b], ...behind], thick = layers.reduce((sum, of) => sum + of[1], 0);
+  const [front, between, behind] = DATA.layers, layers = [...front, ["ceramic", c], ...between, ["metal", b], ...behind], thick = layers.reduce((sum, of) => sum + of[1], 0);
   const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = max(rows.reduce((a, d) => a + d, 0), 0.8 * thick), wide = longest + thick + 12, gap = longest + 3;
   const font = max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
   const sized = { "font-size": font }, top = 1.4 * font;
