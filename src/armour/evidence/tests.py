@@ -562,7 +562,7 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
     range of the tests, which is rounded inwards.
     """
-    ceramic, tested, p = armours.materials[0].ceramic, tested_like(scenario, armours), armours.parameters
+    ceramic, tested, p = armours.materials[0].ceramic, what_was_tested(scenario, armours), armours.parameters
     sizes_mm = [(thickness * armours.cosines).item() / MM for thickness in np.array([p.Hc0, p.Hb])]
     words = [f"{ceramic.name} (no test)"] if ceramic is not None and sizes_mm[0] and is_untested(ceramic) else []
     words += filter(None, map(tested.far, LAYERS.values(), sizes_mm))
@@ -584,7 +584,7 @@ class Tested(NamedTuple):
         return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
 
 
-def tested_like(scenario: Scenario, armours: Armours) -> Tested:
+def what_was_tested(scenario: Scenario, armours: Armours) -> Tested:
     """Return what was tested of armours like that of a scenario, a single row; without that its ceramic was not."""
     [(nearest, _)] = armours.by_evidence()
     evidence, q = _tests_of(nearest, armours), armours.quantities()

@@ -20,7 +20,7 @@ from armour.design.map import DesignMap, design_map, limits_over_sources, with_k
 from armour.design.requirements import VERDICTS, Requirement
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low
-from armour.evidence.tests import LAYERS, LEAST_SOURCES, against_each, limits_of_model, tested_like
+from armour.evidence.tests import LAYERS, LEAST_SOURCES, against_each, limits_of_model, what_was_tested
 from armour.reporting.formats import TEMPLATES, rendered
 from armour.reporting.views.design import METALS, verdict_word
 from armour.reporting.words import requirement_words
@@ -247,7 +247,7 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
             for of_threat in (known[:, threat], ~known[:, threat])
         )
         _, error, _ = limit_and_error(row_known, ignore_progress)
-        tested = tested_like(catalogue.against(designs.pair, threat), row_known.armours)
+        tested = what_was_tested(catalogue.against(designs.pair, threat), row_known.armours)
         sizes = zip(LAYERS.values(), (designs.ceramic_mm, designs.backing_mm), strict=True)
         of_threats.append(
             {
