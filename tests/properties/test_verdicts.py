@@ -225,10 +225,7 @@ def test_a_report_says_the_same(seed: int):
 def test_a_page_says_the_same(tmp_path: Path):
     """Pages do not sample distributions: they say so, and give the answer of the search."""
     seeds = [seed for seed in SEEDS[::2] if not case(seed).distributions()]
-    ask = "const { k, reason } = answer(DATA.pairs[0]); return k === null ? 'none passes' : reason;"
+    ask = "const pair = DATA.pairs[0]; return DATA.verdicts[judged(pair, answer(pair).k)];"
     said = browsed(tmp_path, [Question(design_page(case(seed), ("armour",)), ask) for seed in seeds])
-    words = {"": "passes", "none passes": "fails"} | dict.fromkeys(("not known", "single", "no metal"), "not known")
-    assert [(seed, words[reason]) for seed, reason in zip(seeds, said, strict=True)] == [
-        (seed, rule(seed)) for seed in seeds
-    ]
-    assert len({words[reason] for reason in said}) == 3
+    assert dict(zip(seeds, said, strict=True)) == {seed: shown(seed) for seed in seeds}
+    assert len({*said}) >= 4
