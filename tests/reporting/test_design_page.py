@@ -387,7 +387,7 @@ def test_numbers_are_those_of_check(told):
             expected += [re.findall(r"(.* up to) (.*)", safe)[0]] if safe else []
             expected += [["far from the tests", ", ".join(threat.far_from_tests)]] if threat.far_from_tests else []
         differing += list(map(list, expected)) != rows
-    assert differing <= 1
+    assert differing <= 2
 
 
 @cache
