@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cache
-from math import ceil, floor
+from math import ceil, floor, inf
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.analysis.estimates import Estimate
@@ -77,8 +77,14 @@ def requirement_words(row: Requirement) -> str:
         return f"{sources} of the flow stress of its ceramic, at least {row.required:g} required"
     unit = OBJECTIVES[row.quantity].unit
     label = Column.of(row.quantity).label.removesuffix(unit)
-    found = "not known" if row.found is None else beside(row.found, row.required, 1, at_most=True) + unit
+    found = "not known" if row.found is None else amount(row.quantity, row.found, row.required) + unit
     return f"{label} {found}, at most {row.required:g}{unit} allowed"
+
+
+def amount(quantity: str, value: float, most: float = inf) -> str:
+    """Format the areal density, thickness or cost of an armour, beside the most that is allowed."""
+    text = beside(value, most, 0 if quantity == "cost_per_m2" else 1, at_most=True)
+    return text.removesuffix(".0") if quantity == "thickness_mm" else text
 
 
 def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
@@ -185,14 +191,6 @@ def least_flow_stress() -> float:
     """Return the least flow stress that any source gives for any ceramic of the shipped library, GPa."""
     ceramics = shipped_library().entries["ceramic"].values()
     return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
-
-
-def needed_words(needed: NeededFlowStress | None) -> str | None:
-    """Return the flow stress that a ceramic without tests needs, GPa, as the text of a cell; None gives None."""
-    if needed is None or needed.needed_GPa is None:
-        return None if needed is None else "above 100"
-    # A number would add nothing: every ceramic of the library has more.
-    return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
 
 
 def rounded_up(number: float) -> str:
