@@ -33,6 +33,7 @@ from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSec
 from tests.analysis.results import impact as impact_result
 from tests.design.results import OTHER, THREAT, best_of, design_result
 from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.known import known
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 from tests.statistics.results import uncertainty_result
 
@@ -197,14 +198,18 @@ def test_the_line_is_where_the_probability_is_the_required_one():
         assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
 
 
-def test_without_a_confidence_the_line_is_that_of_the_limit():
+def test_without_a_required_probability_the_line_is_that_of_the_limit():
     found = designs()
     _, [pair_map] = design._maps(found)
     values, is_stated, words = pair_map.required()
     assert words == "stops a shot with 50 % or more"
-    known = ~np.isnan(pair_map.grid.by_tests_m_s[..., 0, 0])
-    np.testing.assert_array_equal(is_stated, known)
+    np.testing.assert_array_equal(is_stated, ~np.isnan(pair_map.grid.by_tests_m_s[..., 0, 0]))
     np.testing.assert_array_equal(values, pair_map.shown_m_s[..., 0] - 800.0)
+    by_model = found.question["scenario"].replaced({"uncertainty.model": {"included": False}})
+    _, [pair_map] = design._maps(optimise(by_model))
+    values, is_stated, words = pair_map.required()
+    assert (words, is_stated.all()) == ("stopped by the model", True)
+    np.testing.assert_array_equal(values, pair_map.grid.limits_m_s[..., 0] - 800.0)
 
 
 def test_the_line_of_several_requirements_is_where_all_are_met():
@@ -226,13 +231,15 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
     assert [item for item in axes.collections if isinstance(item, PolyCollection)]
     [best] = [line for line in axes.lines if isinstance(line, Points)]
     assert x_of(best)[0] == best_of(designs(0.9, None)).backing_thickness_mm
-    assert y_of(best)[0] == pytest.approx(best_of(designs(0.9, None)).check.threats[0].expected_limit_m_s, abs=0.5)
+    assert y_of(best)[0] == pytest.approx(
+        known(best_of(designs(0.9, None)).check.threats[0].expected_limit_m_s), abs=0.5
+    )
 
 
 def test_designs_of_which_no_probability_is_known_have_no_line_of_one():
     case = scenario(ceramic="SiC", optimise=OFFERED, design={"confidence": 0.9})
     picture = picture_of(optimise(case))
-    assert picture.note.startswith("No probability is known for these designs.")
+    assert picture.note.startswith("No probability is known for these designs. ")
     assert labels(*picture.axes)[:2] == ["not known", "equal areal density, kg/m²"]
 
 
@@ -552,11 +559,14 @@ def test_without_a_model_error_the_prior_is_no_models():
     assert {"prior", "requirement 730.0 m/s"} <= set(shown)
 
 
-def test_the_titles_of_pictures_say_what_the_model_cannot_do():
+def test_pictures_say_what_the_model_cannot_do():
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
-    for found in (simulate(thin, history=True), ballistic_limit(thin)):
-        assert "o ceramic thinner than 0.89 penetrator diameters" in picture_of(found).title
-    # No interval is known.
+    tiles = {"ceramic": [{"material": "SiC", "thickness_mm": [3.0]}]}
+    metals = [{"material": name, "thickness_mm": [40.0, 45.0]} for name in ("6061-T6", "7075-T6")]
+    of_metals = picture_of(optimise(thin.replaced({"design": {**tiles, "backing": metals}})))
+    found = simulate(thin, history=True), ballistic_limit(thin), check(thin)
+    for picture in (*map(picture_of, found), of_metals):
+        assert "o ceramic thinner than 0.89 penetrator diameters" in picture.title + picture.note
     assert "limit by the model" in marks(picture_of(check(thin)).axes[0])
     library = {"metal": {"X": {"density_kg_m3": 980.0, "static_yield_strength_MPa": 900.0}}}
     laminate = simulate(scenario("7.62 mm AP", "AD85", "X", 8.0, 15.0, library=library), history=True)

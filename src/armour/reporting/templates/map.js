@@ -548,8 +548,8 @@ function drawMap(pair, best, ring) {
     const cut = (value, of) => of.at(min(max(value, of.low), of.high)), [left, end] = plates.map(mm => cut(mm, across)), [low, high] = tiles.map(mm => cut(mm, up));
     if (end > left && low > high) {
       lines.append(svg("rect", { class: "green", x: left, y: high, width: end - left, height: low - high }));
-      taken.push([end - 30, low - 8], [end - 80, low - 8]);
-      words.append(text(end - 4, low - 5, "thicknesses tested", "halo end small t-green"));
+      taken.push([end - 30, high - 8], [end - 80, high - 8]);
+      words.append(text(end - 4, high - 5, "thicknesses tested", "halo end small t-green"));
     }
   }
   const heights = [];
@@ -635,7 +635,7 @@ function drawPairs() {
   if (box.hidden) return;
   const rows = DATA.pairs.map(pair => [pair, answer(pair).k, even(pair)]);
   const values = rows.flatMap(([p, a, b]) => [a, b].filter(k => k !== null).map(k => p.areal[k]));
-  const low = min(...values), high = max(...values), at = v => 8 + 96 * (high > low ? (v - low) / (high - low) : 0.5);
+  const low = min(...values), high = max(...values), at = v => 8 + 80 * (high > low ? (v - low) / (high - low) : 0.5);
   const focused = box.contains(document.activeElement);
   box.replaceChildren(box.querySelector("legend"), ...rows.map(([pair, best, ring], n) => {
     const input = html("input", { type: "radio", name: "pair", value: n });
@@ -760,11 +760,12 @@ function drawDesign(pair, best) {
   box.append(crossSection(pair, k));
   const row = (name, value, of) => value && box.append(html("div", { class: "row" }, html("span", {}, name), html(of ?? "b", {}, value)));
   threats.forEach((_, t) => {
-    const d = k * T + t, over = pair.over && pair.over.map(limits => round(limits[d])).join(" to ");
+    const d = k * T + t;
     box.append(html("h3", {}, `${letter(t)}${shot(t)}`));
     row("stops", stops(pair, k, t));
     if (tells(pair, k, t)) box.append(distribution(pair, d, state.velocities[t]));
-    row(`limit ${byModel(pair, k, t)}`, `${limitText(pair, k, t)} m/s${over ? `, ${over} over the sources` : ""}`);
+    row(`limit ${byModel(pair, k, t)}`, `${limitText(pair, k, t)} m/s`);
+    if (pair.over) row("over the sources", `${pair.over.map(limits => round(limits[d])).join(" to ")} m/s`);
     row(`${trimmed(100 * usual(t))} % up to`, safe(pair, k, t));
     row("far from the tests", far(pair, k, t), "i");
   });
