@@ -222,7 +222,7 @@ def answer(
     result.of(every_row=verbose)
     tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
-    show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
+    show_answer(data, tables, as_json=as_json, scenario=scenario)
     shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
@@ -232,14 +232,13 @@ def show_answer(
     tables: Iterable[Table | str],
     *,
     as_json: bool,
-    heading: Sequence[str] = (),
     scenario: "armour.Scenario | None" = None,
 ) -> None:
-    """Show an answer as tables below a heading or, as JSON, with the command and versions that made it."""
+    """Show an answer as tables or, as JSON, with the command and versions that made it."""
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
-        show(*heading[1:], *shown, title=heading[0] if heading else "")
+        show(*shown)
 
 
 def write(files: Files, warnings: Iterable[str] = ()) -> None:

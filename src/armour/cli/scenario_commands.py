@@ -29,7 +29,7 @@ from armour.cli.options import (
     option,
 )
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
-from armour.errors import InputError, Note, Problem, counted, duration, refuse
+from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
@@ -92,7 +92,7 @@ def ballistic_limit(
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    answer(result, loaded, notes=_of_limit(result), plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -113,14 +113,7 @@ def compare(
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    answer(result, loaded, notes=_of_limit(result.limit), plot=plot, as_json=as_json, verbose=verbose)
-
-
-def _of_limit(limit: "armour.LimitResult") -> tuple[Note, ...]:
-    """Return the notes on a ballistic limit, also those that its tables contain."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
-    return (*not_monotonic(limit), *limit.notes)
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -179,8 +172,7 @@ def check(
         if not as_json:
             if results:
                 emit("\n")
-            first, *other_lines = result.heading()
-            show(*other_lines, *views.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
+            show(*([] if is_one else [f"{loaded.file}:"]), *views.tables_of_check(result))
         results.append(result)
         suites.append(views.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.notes, verbose=verbose)

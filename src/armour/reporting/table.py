@@ -22,11 +22,11 @@ Cell = float | int | str | None
 
 
 class VerdictLine(str):
-    """A line that says how an answer ends; a terminal shows it in green if that is good, else in red."""
+    """A line with an answer, which a terminal shows bold: green if it is good, red if not, without colour if neither."""
 
-    good: bool
+    good: bool | None
 
-    def __new__(cls, text: str, *, good: bool) -> Self:
+    def __new__(cls, text: str, *, good: bool | None = None) -> Self:
         """Make the line; `good` chooses its colour."""
         line = super().__new__(cls, text)
         line.good = good
@@ -86,6 +86,12 @@ def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
     if low is None:
         return "not bounded" if high is None else f"up to {number(high, spec)}"
     return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"
+
+
+def between(level: float, ends: tuple[float | None, float | None], spec: str) -> str:
+    """Format an interval with its confidence level, such as "95 % between 764 and 798"."""
+    words = interval(ends, spec)
+    return f"{percent(level)} {words}" if None in ends else f"{percent(level)} between {words.replace(' to ', ' and ')}"
 
 
 @dataclass(frozen=True)
@@ -163,6 +169,11 @@ class Table:
     def of_one(cls, item: Any, *sources: Source, title: str = "") -> Self:
         """Make a record of one item; omit columns without a value."""
         return replace(cls.of([item], *sources, title=title), record=True)
+
+    @classmethod
+    def of_facts(cls, facts: Mapping[str, str]) -> Self:
+        """Make a record of texts by label; omit those that are empty."""
+        return cls.of_one(None, *((Column(label, prose=True), text) for label, text in facts.items()))
 
     def texts(self) -> list[list[str]]:
         """Return the rows with every cell formatted as text."""

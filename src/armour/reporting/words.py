@@ -141,17 +141,27 @@ def model_error_words(error: ModelError) -> str:
 
 def from_tests(error: ModelError) -> str:
     """Return the model error and its source, such as "model error: ± 7.0 %, from 13 tests"."""
+    at_least = f"; at least that, as {error.at_least}" if error.at_least else ""
+    return f"{size_of(error)}, from {error.source}{at_least}"
+
+
+def size_of(error: ModelError) -> str:
+    """Return the model error in numbers, such as "model error: ± 7.0 %"."""
     if error.ratio.logarithmic:
         low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
-        words = f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
-        return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
+        return f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %)"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+    return f"model error: {mean}± {error.scale_percent:.1f} %"
 
 
 def extrapolation(error: ModelError) -> list[str]:
     """Return a line with the quantities in which the model error is extrapolated beyond its tests, if any."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+
+
+def scatter(error: ModelError | None) -> str:
+    """Return the scatter of single shots about V50 that a probability includes, and its source."""
+    return "" if error is None else f"shots scatter by {error.scatter_percent:.2g} % of V50 ({error.scatter_source})"
 
 
 def tested_here(error: ModelError) -> list[str]:

@@ -12,7 +12,7 @@ from armour.reporting.by_result import drawing_of, in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number
-from armour.reporting.views.analysis import caveat_lines
+from armour.reporting.views.analysis import crossings
 from armour.reporting.words import WHOLE, said_of
 from armour.statistics.measured import LIMIT
 from armour.validation.comparison import Comparison
@@ -392,7 +392,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
     """Return all tables of a comparison."""
     missing = ", ".join(result.florence_missing)
     return [
-        *caveat_lines(result.limit),
+        *crossings(result.limit),
         Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
         comparison_table(result),
         *([f"Florence's limit: none, without {missing}"] if missing else []),
