@@ -22,12 +22,12 @@ Cell = float | int | str | None
 
 
 class VerdictLine(str):
-    """A line with an answer, which a terminal shows bold: green if it is good, red if not, without colour if neither."""
+    """A line with an answer, which a terminal shows bold, and green if it is good, red if it is not."""
 
     good: bool | None
 
     def __new__(cls, text: str, *, good: bool | None = None) -> Self:
-        """Make the line; `good` chooses its colour."""
+        """Make the line; `good` chooses its colour, none if it is None."""
         line = super().__new__(cls, text)
         line.good = good
         return line

@@ -149,7 +149,7 @@ class _Scene:
         axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
         axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
         if self.ceramic:
-            axes.fill([], [], facecolor=CERAMIC_COLOUR, label="ceramic", **EDGE)
+            axes.fill([], [], facecolor=CERAMIC_COLOUR, label="tile", **EDGE)
         axes.fill([], [], facecolor=METAL_COLOUR, label="plate", **EDGE)
         axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
         axes.set_axis_off()
@@ -183,7 +183,7 @@ def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, st
     for stage, after in pairwise(result.stages):
         event = STAGES[after.stage].begins
         if after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii":
-            event = "ceramic penetrated"
+            event = "tile penetrated"
         elif (stage.stage, after.stage) == ("ii.2", "ii.1"):
             event = "dwell ends"
         events.append((stage.end_us, event))
@@ -217,10 +217,10 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     if error is not None and ends is not None:
         stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
         probability = float(error.probability_of_stopping(limit, threat))
-        stopping_axes.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
-        stopping_axes.axvspan(*ends, **drawing.SHADE, label="95 % interval")
+        stopping_axes.set(ylabel="stops a shot, %", ylim=(0.0, 102.0))
+        stopping_axes.axvspan(*ends, **drawing.SHADE, label="limit, 95 % between")
         stopping_axes.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
-        stopping_axes.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
+        stopping_axes.axvline(limit, linestyle=":", label=f"limit by the model {limit:.0f} m/s", **drawing.RULE)
         stopping_axes.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
         label = f"{threat:g} m/s: {chance(probability)}"
         drawing.points(stopping_axes, [threat], [100.0 * probability], marker="D", color=drawing.VERMILION, label=label)
@@ -229,7 +229,7 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")
     plug = [point.plug_velocity_m_s for point in curve]
     residual.plot(impact, plug, linestyle="--", color=drawing.GREEN, label="plug")
-    residual.axvline(limit, linestyle=":", label="ballistic limit" if residual_alone else "", **drawing.RULE)
+    residual.axvline(limit, linestyle=":", label="limit by the model" if residual_alone else "", **drawing.RULE)
     label = f"{threat:g} m/s" if residual_alone else ""
     residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)
     drawing.residual_axes(residual, reach)

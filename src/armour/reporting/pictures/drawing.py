@@ -109,9 +109,7 @@ class Sheet:
         return Picture(panels.ravel().tolist(), title, note)
 
 
-def drawn(
-    draw: Callable[[Sheet], Picture], sheet: Sheet, subject: str = "", title: str | None = None
-) -> Picture:
+def drawn(draw: Callable[[Sheet], Picture], sheet: Sheet, subject: str = "", title: str | None = None) -> Picture:
     """Draw a picture by `draw`, and add its title, subject, note and legends.
 
     `title` replaces the picture's title and the subject, which is what was drawn; an empty one leaves out title,

@@ -195,7 +195,9 @@ def tests_words(result: LimitResult) -> str:
         source = f"not known: {result.reason.partition(';')[0]}" if result.reason else ""
     else:
         source = error.source.replace(" tests of ", " of ", 1)
-    return "; ".join(filter(None, (source, f"{len(here)} of this very armour: {_listed(here)}" if here else "")))
+    return "; ".join(
+        filter(None, (source, f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""))
+    )
 
 
 def measured_here(result: LimitResult) -> list[float]:
@@ -205,7 +207,7 @@ def measured_here(result: LimitResult) -> list[float]:
     return limits_measured(result.question["scenario"]) if "scenario" in result.question else []
 
 
-def _listed(limits_m_s: Sequence[float]) -> str:
+def limits_in_words(limits_m_s: Sequence[float]) -> str:
     """Return velocities in words: at most three, or else their range."""
     if len(limits_m_s) > 3:
         return f"{min(limits_m_s):.0f} to {max(limits_m_s):.0f} m/s"
