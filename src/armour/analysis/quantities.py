@@ -102,10 +102,10 @@ QUANTITIES: dict[str, Quantity] = {
         "probability of stopping the projectile", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
     ),
     "required_ceramic_thickness_mm": Quantity(
-        "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
+        "required tile thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
     ),
     "required_backing_thickness_mm": Quantity(
-        "required back plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
+        "required plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
     ),
     "required_total_thickness_mm": Quantity(
         "required thickness of both layers in proportion",

@@ -18,7 +18,7 @@ from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import wrapped
 from armour.reporting.views.analysis import STAGES
-from armour.reporting.words import chance
+from armour.reporting.words import chance, said_of
 from armour.units import MM
 
 VELOCITY_LINES = {
@@ -54,11 +54,12 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     # Below 5 % of the impact velocity the projectile hardly moves; show 1.5 times the time until then.
     slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
-    note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
+    notes = [f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs."] if shown < result.duration_us else []
+    notes += _caveats(result)
     # A result that is made by hand has no scenario, and so no armour to draw.
     scene = _Scene(result, history) if "scenario" in result.question else None
     scenes = [] if scene is None else [scene.high_inches(sheet.width)]
-    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=note)
+    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=" ".join(notes))
     over_time = picture.axes[len(scenes) :]
     seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
@@ -75,6 +76,11 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     if scene is not None:
         scene.draw(picture.axes[0], PART * sheet.width)
     return picture
+
+
+def _caveats(result: ImpactResult | LimitResult) -> list[str]:
+    """Return the caveats of the model as sentences."""
+    return [f"{caveat[:1].upper()}{caveat[1:]}." for caveat in said_of(result.notes)]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
@@ -213,7 +219,8 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     impact = [point.impact_velocity_m_s for point in curve]
     reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
     residual_alone = error is None or ends is None
-    picture = sheet.panels(headline(result), *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
+    heights = [drawing.PANEL] * (1 if residual_alone else 2)
+    picture = sheet.panels(headline(result), *heights, note=" ".join(_caveats(result)), sharex=True)
     if error is not None and ends is not None:
         stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
         probability = float(error.probability_of_stopping(limit, threat))

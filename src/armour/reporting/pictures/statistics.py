@@ -33,7 +33,7 @@ ALONE = "stopped, with the model taken as exact"
 
 @draw.register
 def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of stopping a shot over velocity, and the ballistic limits at two quantiles of each input."""
+    """Draw the probability of stopping a shot over velocity, and the limits at two quantiles of each input."""
     curve, level = result.curve, percent(result.confidence)
     p, shares = result.probability_of_perforation or result.perforated_by_distributions, curve.probability
     assert p is not None

@@ -96,7 +96,9 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
     limits = limits_by_formulas(result)
     drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
     beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
-    picture = sheet.panels(headline(result), 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
+    picture = sheet.panels(
+        headline(result), 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else ""
+    )
     [axes] = picture.axes
     residual = [point.residual_velocity_m_s for point in result.curve]
     axes.plot(impact, residual, color=drawing.COLOURS[0], label="the model")

@@ -23,10 +23,10 @@ class StageWords(NamedTuple):
 STAGES = {
     "i": StageWords("impact", "intact tile", "tile intact, penetrator erodes"),
     "ii.1": StageWords("tile fragments", "fragmented tile", "tile in fragments, penetrator erodes"),
-    "ii.2": StageWords("front held", "tile carried or held", "tile carried or held (dwell), penetrator erodes"),
+    "ii.2": StageWords("front held", "dwell on the tile", "dwell on the tile, penetrator erodes"),
     "ii.3": StageWords("erosion ends", "tile, rigid penetrator", "tile, penetrator rigid"),
     "iii.1": StageWords("penetrator erodes", "plate, eroding penetrator", "plate, penetrator erodes"),
-    "iii.2": StageWords("front held", "plate carried or held", "plate carried or held (dwell), penetrator erodes"),
+    "iii.2": StageWords("front held", "dwell on the plate", "dwell on the plate, penetrator erodes"),
     "iii.3": StageWords("erosion ends", "plate, rigid penetrator", "plate, penetrator rigid"),
     "iii.4": StageWords("plug moves along", "plug carried along", "plate carried along"),
     "iii.5": StageWords("tile moves along", "tile carried along", "fragments carried along"),
@@ -50,14 +50,17 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
 
     With `every_row` in the question, return also the armour, and what the probability rests on.
     """
-    is_unknown = bool(phrases.said_of(result.notes, "not known"))
+    unknown = _unknown(result)
     confidence: ConfidenceResult | None = result.question.get("confidence")
     left = [f"{result.residual_length_mm:.1f} mm and {result.residual_mass_g:.2f} g"]
     left += [f"plug {result.plug_velocity_m_s:.0f} m/s"] if result.plug_velocity_m_s else []
     left += [f"bulge {result.bulge_height_mm:.1f} mm, after {result.duration_us:.0f} µs"]
-    facts = {"limit": "" if confidence is None else _limit_words(confidence, result.outcome), "left": "; ".join(left)}
-    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if is_unknown else None)]
-    shown += [Table.of_facts(facts), *phrases.said_of(result.notes), stage_table(result)]
+    facts = {"by the model": _by_model(result)} if unknown else {}
+    facts["limit"] = "" if confidence is None else _limit_words(confidence, result.outcome)
+    facts["left"] = "; ".join(left)
+    caveats = [caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown]
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
+    shown += [Table.of_facts(facts), *caveats, stage_table(result)]
     if not result.question.get("every_row"):
         return shown
     depth = f"{result.penetration_depth_mm:.1f} mm below the front face"
@@ -99,12 +102,20 @@ def _limit_words(found: ConfidenceResult, outcome: str) -> str:
 @line_of.register
 def impact_in_a_line(result: ImpactResult) -> str:
     """Return the outcome of an impact by the model or, if it is not known, the reason."""
-    detail = f"{result.residual_velocity_m_s:.0f} m/s left of {result.impact_velocity_m_s:g} m/s"
+    reasons = _unknown(result)
+    return f"not known: {'; '.join(reasons)}" if reasons else _by_model(result).replace(":", " by the model:", 1)
+
+
+def _unknown(result: ImpactResult) -> list[str]:
+    """Return why the outcome is not known, though the model gives one."""
+    return phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
+
+
+def _by_model(result: ImpactResult) -> str:
+    """Return the outcome by the model, with the residual velocity or the depth."""
     if result.outcome == "stopped":
-        detail = f"{result.penetration_depth_mm:.1f} mm deep"
-    unknown = phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
-    reasons = "; ".join(unknown)
-    return f"not known: {reasons}" if unknown else f"{result.outcome} by the model: {detail}"
+        return f"stopped: {result.penetration_depth_mm:.1f} mm deep"
+    return f"perforated: {result.residual_velocity_m_s:.0f} m/s left of {result.impact_velocity_m_s:g} m/s"
 
 
 def stage_table(result: ImpactResult) -> Table:

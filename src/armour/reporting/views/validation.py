@@ -162,12 +162,11 @@ def _magnitude(value: float, unit: str) -> str:
 def overview_table(result: SuiteResult) -> Table:
     """Tabulate how many cases of each table of a suite are within their bands, and the RMS deviation with its band."""
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
-    alone = CASES
 
     def row_of(name: str, checks: Sequence[Check]) -> tuple[Cell, ...]:
         scored = [check for check in checks if check.status != "not scored"]
         within = f"{sum(check.status == 'within' for check in scored)} of {len(scored)}" if scored else ""
-        title = f"{len(checks)} {'other ' * bool(whole)}{alone}" if name == alone else name
+        title = counted(len(checks), "other case" if whole else "case") if name == CASES else name
         if (summary := whole.get(name)) is None:
             return title, within or "not scored", "", ""
         band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
@@ -349,10 +348,16 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
 
-def limits_by_formulas(result: Comparison) -> list[tuple[str, float]]:
-    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula."""
-    florence = [(florence_name(each), each.ballistic_limit_m_s) for each in result.florence]
-    return [*florence, *((f"areal density rule, p = {rule.p:.4g}", rule.ballistic_limit_m_s) for rule in result.rules)]
+def limits_by_formulas(result: Comparison, *, full: bool = True) -> list[tuple[str, float]]:
+    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula.
+
+    The `full` name says what mass and diameter the projectile of Florence's formula has.
+    """
+    name = florence_name if full else (lambda each: f"Florence, {each.projectile}")
+    florence = [(name(each), each.ballistic_limit_m_s) for each in result.florence]
+    power = {rule: f" ^ {rule.p:.3g}" if rule.p_fitted else "" for rule in result.rules}
+    rules = [(f"k times areal density{power[rule]}, fitted", rule.ballistic_limit_m_s) for rule in result.rules]
+    return [*florence, *rules]
 
 
 def comparison_table(result: Comparison) -> Table:
@@ -361,17 +366,14 @@ def comparison_table(result: Comparison) -> Table:
     Only with `every_row` in the question is there a rule with a fitted exponent, and the errors of tests left out.
     """
     every_row, first_rule = bool(result.question.get("every_row")), 1 + len(result.florence)
-    limits = [("the model", result.limit.ballistic_limit_m_s)]
-    for each in result.florence:
-        limits.append((florence_name(each) if every_row else f"Florence, {each.projectile}", each.ballistic_limit_m_s))
-    for rule in result.rules:
-        limits.append((f"k times areal density{f' ^ {rule.p:.3g}' * rule.p_fitted}, fitted", rule.ballistic_limit_m_s))
+    limits = [("the model", result.limit.ballistic_limit_m_s), *limits_by_formulas(result, full=every_row)]
     rows = [(*limit, *_errors(error)) for limit, error in zip_longest(limits, result.errors)]
     rules = rows[first_rule:] if every_row else rows[first_rule : first_rule + 1]
     on_tests = f"mean error on {counted(result.errors[0].count, 'test')}" if result.errors else ""
     labels = [on_tests, "largest", "each predicted from the others"][: 2 + every_row]
     columns = Column("by", prose=True), Column("limit", "m/s", ".0f"), *map(Column, labels)
-    return Table.of_rows(columns, [rows[0], *rules, *rows[1:first_rule]])
+    parts = 2 + len(labels)
+    return Table.of_rows(columns, [row[:parts] for row in (rows[0], *rules, *rows[1:first_rule])])
 
 
 def _errors(error: Error | None) -> tuple[Cell, ...]:
