@@ -8,7 +8,6 @@ from typing import Any
 import typer
 
 import armour
-from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.quantities import ANSWERS
 from armour.cli import completion, runner
 from armour.cli.console import progress, say
@@ -103,6 +102,7 @@ def v50(
     --------
     armour v50 tests/shots wilkins --plot v50.svg
     """
+    from armour.analysis.estimates import CONFIDENCE
     from armour.cli.firings import each_result
 
     if scenario is not None and is_table(scenario):
