@@ -5,18 +5,16 @@ from functools import cache
 from math import ceil, floor
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
-from armour.analysis.estimates import Estimate
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, interval, number, percent, with_interval
+from armour.reporting.table import Column, Source, interval, number, percent
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-BALLISTIC_LIMIT = Column.of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
 # Areal density including a back plate that exists already; empty without one.
 WHOLE: Source = (
@@ -29,11 +27,6 @@ SAMPLED_ALONE = "a probability from the given distributions alone takes the mode
 
 # What is said of a probability that is bounded by the distance from the tests.
 FAR = "far from the tests"
-
-
-def estimated(estimate: Estimate | None, spec: str) -> str:
-    """Format an estimate with its interval; None gives an empty text."""
-    return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
 
 
 def chance(probability: float | None, error: ModelError | None = None) -> str:
@@ -51,13 +44,6 @@ def chance(probability: float | None, error: ModelError | None = None) -> str:
     if probability < 0.01:
         return "below 1 %"
     return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
-
-
-def risk(probability: float) -> str:
-    """Format the probability of perforation, given the probability of stopping; with `chance`, they add up to 100 %."""
-    if probability < 0.01:
-        return "above 99 %"
-    return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
 
 
 def rounded_down(number: float, decimals: int = 0) -> float:
@@ -248,9 +234,3 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
     return [*notes, *flow_stress_notes(answer.flow_stress)]
-
-
-def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
-    """Return the column and the cell with the ballistic limit corrected for the model error, and its 95 % interval."""
-    limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
-    return Column("with the model error", prose=True), limit

@@ -45,8 +45,8 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
     axes.set(ylabel="stops a shot" if shares else ALONE, ylim=(0.0, 1.0))
-    stops, low, high = (1.0 - np.array(ends) for ends in (shares or curve.by_distributions, curve.high, curve.low))
-    axes.fill_between(curve.velocity_m_s, low, high, color=drawing.BLUE, **drawing.BAND)
+    stops, below, above = (1.0 - np.array(ends) for ends in (shares or curve.by_distributions, curve.high, curve.low))
+    axes.fill_between(curve.velocity_m_s, below, above, color=drawing.BLUE, **drawing.BAND)
     axes.plot(curve.velocity_m_s, stops, color=drawing.BLUE)
     limits = {"limit by the model": result.deterministic_m_s}
     quantiles = {f"limit, {100 * float(key):g} % below": each for key, each in result.limit_quantiles_m_s.items()}
