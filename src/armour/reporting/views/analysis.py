@@ -90,8 +90,9 @@ def _limit_words(found: ConfidenceResult, outcome: str) -> str:
     The word "but" marks an expectation that contradicts the `outcome` by the model.
     """
     limit = "none found" if found.ballistic_limit_m_s is None else f"{found.ballistic_limit_m_s:.0f} m/s by the model"
+    reason = "" if phrases.said_of(found.notes, "not known") else found.reason.partition(";")[0]
     if (probability := found.probability_of_stopping) is None:
-        return f"{limit}; {found.reason.partition(';')[0]}"
+        return "; ".join(filter(None, (limit, reason)))
     stops = f"stops a shot with {phrases.chance(probability, found.model_error)}"
     if found.median_m_s is None:
         return f"{limit}; {stops}"
@@ -179,7 +180,8 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     is_unknown = bool(phrases.said_of(result.notes, "not known"))
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if is_unknown else None)]
     limit = f"{result.ballistic_limit_m_s:.0f} m/s by the model" if is_unknown else ""
-    shown.append(Table.of_facts({"limit": limit, "armour": armour_words(result), "tests": tests_words(result)}))
+    tests = "" if is_unknown else tests_words(result)
+    shown.append(Table.of_facts({"limit": limit, "armour": armour_words(result), "tests": tests}))
     shown += [*phrases.said_of(result.notes), *crossings(result)]
     if result.question.get("every_row"):
         low, high = result.scanned_range_m_s

@@ -66,8 +66,8 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     """Return the probability of stopping a shot, and what makes it uncertain; with `every_row`, also the sampling."""
     low, middle, high = (each.value for each in result.limit_quantiles_m_s.values())
     limit = [f"90 % between {low:.0f} and {high:.0f} m/s", f"{result.deterministic_m_s:.0f} m/s by the model"]
-    is_known = result.model_error is not None
-    limit.insert(0 if is_known else 2, f"{middle:.0f} m/s expected" if is_known else "with the model taken as exact")
+    if result.model_error is not None:
+        limit.insert(0, f"{middle:.0f} m/s expected")
     line = VerdictLine(in_a_line(result), good=None if result.probability_of_perforation else False)
     shown: list[Table | str] = [line, Table.of_facts({"limit": "; ".join(limit)}), influence_table(result)]
     if result.question.get("every_row"):
@@ -144,31 +144,18 @@ def _coefficient_words(coefficient: Coefficient, level: float) -> str:
 
 
 def calibration_table(result: CalibrationResult) -> Table:
-    """Tabulate the errors of a fit to tests and, if the tests have uncertainties, its chi-squared test."""
-    weighted, few = result.weights == "uncertainties", _no_error(result)
+    """Tabulate how a fit was made and, if the tests have uncertainties, its chi-squared test."""
+    weighted = result.weights == "uncertainties"
     return Table.of_one(
         result,
-        (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
         (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
         Column.of("law", label="law of the ceramic's flow stress"),
-        _error("mean error", result.mean_error_percent, few),
-        _error("mean leave-one-out error", result.left_out_error_percent, few),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
         (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
-
-
-def _no_error(result: CalibrationResult) -> str:
-    """Return why a fit has no error: outcomes have none, and others need enough tests."""
-    return "outcomes have none" if all(residual.bound for residual in result.residuals) else "too few tests"
-
-
-def _error(label: str, value: float | None, few: str) -> Source:
-    """Return the column of an error, %, with its value, or with why there is none."""
-    return (Column(label), few) if value is None else (Column(label, "%", ".1f"), value)
 
 
 def correlation_table(result: CalibrationResult) -> Table:
