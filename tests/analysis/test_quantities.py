@@ -88,11 +88,11 @@ def test_the_least_thickness_of_the_range_is_enough(name: str):
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("armour.ceramic_thickness_mm", ("ceramic thickness", "mm")),
+        ("armour.ceramic_thickness_mm", ("tile thickness", "mm")),
         ("ballistic_limit_m_s", ("ballistic limit", "m/s")),
         ('library.metal."x".density_kg_m3', ("x density", "kg/m³")),
         ("model.limit_error_percent", ("model error", "%")),
-        ("armour.backing_thickness_mm", ("back plate thickness", "mm")),
+        ("armour.backing_thickness_mm", ("plate thickness", "mm")),
         ("metal.youngs_modulus_GPa", ("Young's modulus", "GPa")),
         ("outcome", ("outcome", "")),
     ],

@@ -50,7 +50,7 @@ def test_a_table_is_a_case_a_row(folder: Path):
     percent = TABLE.replace("\nband = 10.0", "\nband_percent = 10.0")
     suite = load(folder, percent + "set.armour.backing_thickness_mm = 5.0\n")
     first, second = suite.cases
-    assert first.full_name == "t: ceramic thickness 6.35 mm"
+    assert first.full_name == "t: tile thickness 6.35 mm"
     assert (second.scenario.armour.ceramic_thickness_mm, second.scenario.armour.backing_thickness_mm) == (6.35, 5.0)
     assert (second.expected, second.place) == (730.0, ("table", 0, "rows", 1, 1))
     assert second.band == pytest.approx(73.0)
@@ -97,7 +97,7 @@ def test_only_some(folder: Path):
     (folder / "t.csv").write_text(CSV)
     suite = load(folder, FILE + "mean_band_percent = 5.0\ngroup = [{ name = 'A', where.lot = 'A' }]\n" + CASE + TABLE)
     assert suite.only("") == suite
-    assert [found.name for found in suite.only("T: CERAMIC").cases] == 2 * ["ceramic thickness 6.35 mm"]
+    assert [found.name for found in suite.only("T: TILE").cases] == 2 * ["tile thickness 6.35 mm"]
     assert suite.only("6.35").tables == suite.tables[1:]
     # A part of the rows of a file is not held to bands.
     [table] = suite.only("two").tables
@@ -237,7 +237,7 @@ def test_tables_have_names_of_their_own(folder: Path):
 
 def test_rows_are_named_by_the_layer_that_differs(folder: Path):
     text = TABLE.replace("armour.ceramic_thickness_mm", "backing.density_kg_m3").replace("[6.35", "[2700.0")
-    assert load(folder, text).cases[0].name == "back plate density 2700 kg/m³"
+    assert load(folder, text).cases[0].name == "plate density 2700 kg/m³"
 
 
 GRID = grid((0.0, 60.0, 1.0), (1.0, 60.0, 1.0))

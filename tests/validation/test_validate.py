@@ -239,8 +239,8 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
     )
     found = result(folder, text)
     assert [(update.case.full_name, update.case.expected, update.computed) for update in updates_of(found)] == [
-        ("t: ceramic thickness 6.35 mm", 720.0, float(AS_WRITTEN)),
-        ("t: ceramic thickness 6.35 mm", 730.0, float(AS_WRITTEN)),
+        ("t: tile thickness 6.35 mm", 720.0, float(AS_WRITTEN)),
+        ("t: tile thickness 6.35 mm", 730.0, float(AS_WRITTEN)),
         ("a", 725.0, float(AS_WRITTEN)),
         ("c", "stopped", "perforated"),
     ]

@@ -102,10 +102,10 @@ QUANTITIES: dict[str, Quantity] = {
         "probability of stopping the projectile", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
     ),
     "required_ceramic_thickness_mm": Quantity(
-        "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
+        "required tile thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
     ),
     "required_backing_thickness_mm": Quantity(
-        "required back plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
+        "required plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
     ),
     "required_total_thickness_mm": Quantity(
         "required thickness of both layers in proportion",
@@ -126,7 +126,7 @@ QUANTITIES: dict[str, Quantity] = {
 }
 
 # Words of keys that people read in another spelling.
-SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+SPELLING = {"backing": "plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
 
 
 def reads_of(names: Iterable[str]) -> set[str]:
@@ -142,16 +142,17 @@ def label_and_unit(name: str) -> tuple[str, str]:
         return "model error", "%"
     words, unit = words_and_unit(name)
     words = "yield strength" if name == YIELD else _spelt(words)  # static where no dynamic one is known
+    words = words.replace("ceramic thickness", "tile thickness")
     if "." in name:
         *sections, _ = parts_of(name)
         if len(sections) > 1:
             # A value of the library has the name of its entry.
             words = f"{sections[-1]} {words}"
         elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
-            words = f"{_spelt(sections[0])} {words}"
+            words = f"{_spelt(sections[0].replace('projectile', 'penetrator'))} {words}"
     return words, unit
 
 
 def _spelt(words: str) -> str:
-    """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
+    """Return the words of a key as people read them: "backing thickness" as "plate thickness"."""
     return " ".join(SPELLING.get(word, word) for word in words.split(" "))

@@ -30,7 +30,7 @@ from armour.cli.options import (
     option,
 )
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
-from armour.errors import InputError, Note, Problem, counted, duration, refuse
+from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
@@ -96,7 +96,7 @@ def ballistic_limit(
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    answer(result, loaded, notes=_of_limit(result), plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -117,14 +117,7 @@ def compare(
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    answer(result, loaded, notes=_of_limit(result.limit), plot=plot, as_json=as_json, verbose=verbose)
-
-
-def _of_limit(limit: "armour.LimitResult") -> tuple[Note, ...]:
-    """Return the notes on a ballistic limit, also those that its tables contain."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
-    return (*not_monotonic(limit), *limit.notes)
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -204,7 +197,7 @@ def check(
         if not is_one:
             show(views.check_summary(by_file), *views.checks_table(by_file))
         for file, found in by_file.items() if is_one or verbose else ():
-            show(*views.tables_of_check(found), title="" if is_one else f"\n{file}")
+            show(*([] if is_one else ["", file]), *views.tables_of_check(found))
         if of_moved:
             emit("\n")
             show(*of_moved)

@@ -11,7 +11,7 @@ from armour.cli.console import progress, say
 from armour.cli.runner import announce, command_line, picture, show_answer, write
 from armour.errors import counted, mistake
 from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
-from armour.scenario.scenario import Scenario, heading
+from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Grid, SweepCases, axis_of
 from armour.sweeps.sweep import Effort, subject_of, write_sweep
 from armour.sweeps.tables import read_table
@@ -71,16 +71,15 @@ def write_and_show(
         calls: Any = {"on_chunk": on_chunk, "approve": approve, "tell": say, "command": command_line()}
         write_sweep(scenario, source, quantities, output, workers=workers, threads=threads, replace=replace, **calls)
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities, drawn=plot is not None))
-    lines = heading(subject_of(scenario, source, quantities), scenario.title)
     shown = [first_rows(read_table(output), scenario, source.keys)] if source.count <= SWEEP_ROWS else []
     data = {"rows": source.count, "output": str(output)}
-    show_answer(data, shown, as_json=as_json, heading=lines, scenario=scenario)
+    show_answer(data, shown, as_json=as_json, scenario=scenario)
 
     def figure() -> Any:
         from armour.reporting.pictures import drawing, sweeps
 
         draw = partial(sweeps.draw_columns, read_table(output), source.keys, quantities[0], scenario)
-        return drawing.drawn(draw, drawing.Sheet(), lines).figure
+        return drawing.drawn(draw, drawing.Sheet(), subject_of(scenario, source, quantities)).figure
 
     write({plot: picture(figure, scenario)})
 

@@ -114,12 +114,10 @@ def check_in_a_line(result: CheckResult) -> str:
     return f"{words}; keeps all limits of [design]" if kept and is_neutral else words
 
 
-def verdict_line(result: CheckResult) -> str:
+def verdict_line(result: CheckResult) -> VerdictLine:
     """Return the verdict on an armour in a line, with the colour of its verdict; neutral ones have none."""
-    line = in_a_line(result)
-    if result.verdict in ("stopped by the model", "expected to stop"):
-        return line
-    return VerdictLine(line, good={"passes": True, "not known": None}.get(result.verdict, False))
+    good = {"passes": True, "fails": False, "perforated by the model": False}.get(result.verdict)
+    return VerdictLine(in_a_line(result), good=good, unsure=result.verdict == "not known")
 
 
 def amounts(result: CheckResult) -> str:
@@ -163,12 +161,9 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
             "needs": needs(threat),
         }
     rows["within 1 %"] = also
-    used = {label: text for label, text in rows.items() if text}
-    if used:
-        shown.append(Table.of_one(None, *((Column(label, prose=True), text) for label, text in used.items())))
-    if threat.far_from_tests and _is_modelled(threat):
-        against = f" against {threat.threat}" * several
-        shown.append(VerdictLine(f"far from the tests{against}: {', '.join(threat.far_from_tests)}", good=None))
+    shown.append(Table.of_facts(rows))
+    if _is_modelled(threat):
+        shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
     return [*shown, *phrases.said_of(result.notes)]
 
 
@@ -318,13 +313,13 @@ def _by_model(threats: Iterator[CheckedThreat]) -> list[str]:
     return [BY_MODEL] * any(_marked_limit(threat).endswith("*") for threat in threats)
 
 
-def check_summary(results: Mapping[str, CheckResult]) -> str:
+def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
     """Return a line with how many of several armours have each verdict; `results` has their checks by name."""
     found = [result.verdict for result in results.values()]
     counts = ", ".join(f"{found.count(each)} {verdict_word(each)}" for each in reversed(VERDICTS) if each in found)
     line = f"{counted(len(found), 'armour')}: {counts}"
-    worst = min(found, key=VERDICTS.index)
-    return VerdictLine(line, good=worst == "passes") if worst == "passes" or worst not in GOOD else line
+    is_good = {*found} <= {*GOOD}
+    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if is_good else False)
 
 
 def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequence[Table | str]) -> Report:
@@ -458,7 +453,13 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     result.shown.check.of(every_row=_every_row(result))
     checked = facts(result.shown.check, also=nearly_as_good(result))
     more = details(result.shown.check) * _every_row(result)
-    return [found_in_a_line(result), verdict_line(result.shown.check), *checked, *more, *tables_of_search(result)]
+    return [
+        VerdictLine(found_in_a_line(result)),
+        verdict_line(result.shown.check),
+        *checked,
+        *more,
+        *tables_of_search(result),
+    ]
 
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
