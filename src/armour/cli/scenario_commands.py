@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 import armour
-from armour.analysis.quantities import ANSWERS, QUANTITIES, Answer, reads_of
+from armour.analysis.quantities import ANSWERS, QUANTITIES, VERDICT, WORDS, Answer, reads_of, with_round
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show, show_json
 from armour.cli.folders import YES, scenario_paths
@@ -34,7 +34,7 @@ from armour.errors import InputError, Note, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
-from armour.scenario.inputs import ROUND_AND_ARMOUR, VELOCITY
+from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, describe
 
 # Longest command that fits on a line of 80 columns after "next: "; name of a file for the best design.
@@ -409,7 +409,11 @@ def uncertainty(
 
 def sweep(
     scenario: Path = SCENARIO,
-    output: Path = typer.Option(..., "--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet."),
+    output: Path | None = file_option(
+        "Table to write, .csv or .parquet; without it, the first rows are printed and none are kept.",
+        "--output",
+        "-o",
+    ),
     over: list[str] | None = option(
         "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
         metavar="KEY=VALUES",
@@ -420,11 +424,11 @@ def sweep(
         "gives their values, such as SiC."
     ),
     sheet: str | None = option("Sheet of a workbook of cases, by default the first.", metavar="NAME"),
-    quantities: str = option(
-        "Quantities to compute, from the list below; by default the ballistic limit.",
+    quantities: str | None = option(
+        "Quantities to compute, from the list below; by default the ballistic limit or, without -o, limits, "
+        "probability and verdict.",
         metavar="NAME,...",
         autocompletion=completion.quantities,
-        default="ballistic_limit_m_s",
     ),
     plot: Path | None = PLOT,
     force: bool = FORCE,
@@ -442,23 +446,31 @@ def sweep(
 
     Examples
     --------
+    armour sweep wilkins --over armour.ceramic_thickness_mm=6,8,10,12
     armour sweep wilkins --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg
     """
     from armour.cli import sweeping
 
-    names = [name.strip() for name in quantities.split(",")]
-    reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, Answer("the sweep", (*ROUND_AND_ARMOUR, *reads)))
+    asked = sweeping.ANSWERED if output is None else (sweeping.LIMIT,)
+    names = [name.strip() for name in quantities.split(",")] if quantities else [*asked]
+    reads = with_round(reads_of(name for name in names if name in QUANTITIES))
+    loaded = read_scenario(scenario, changes, Answer("the sweep", tuple(reads)))
+    if not quantities and output is None and loaded.threat:
+        names = [VERDICT]  # the others are against [impact]
     check_outputs(output, inputs=[scenario, cases], scenarios=[loaded], plot=plot, force=force)
     keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
     runner.check_options(
         ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
         ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
         ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
-        ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
+        ("--plot", plot and names[0] in WORDS, f"must be given with a number first in --quantities, found {names[0]}"),
+        ("--scheduler", scheduler and output is None, "must be given with -o"),
     )
     with runner.as_options("sweep"):
         source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        if output is None:
+            sweeping.show_rows(loaded, source, names, plot, threads=threads, as_json=as_json)
+            return
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
 

@@ -1,7 +1,9 @@
 """Check of one armour against each of its threats, and against small changes of armour and threat."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +16,8 @@ from armour.analysis.ballistic_limit import (
     probability_of_stopping,
 )
 from armour.analysis.estimates import Estimate
+from armour.analysis.evaluate import evaluate_groups, groups_of
+from armour.analysis.quantities import VERDICT
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.variants import row_of
@@ -283,6 +287,18 @@ def check_of(
     ).of(title, scenario=scenario)
 
 
+def evaluated(
+    scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str], threads: int | None = None
+) -> tuple[dict[str, Any], Counter[str]]:
+    """Evaluate quantities for rows of values, as `evaluate_groups` does, and the verdict of `check` on each row."""
+    found, warnings = evaluate_groups(groups_of(scenario, columns), quantities, threads)
+    if VERDICT in quantities:
+        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+        scenarios = (scenario.replaced(dict(zip(columns, row, strict=True))) for row in rows)
+        found[VERDICT] = np.array([check_of(each, changes=False, needed=False).verdict for each in scenarios])
+    return {name: found[name] for name in quantities}, warnings
+
+
 def _checked(
     against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
 ) -> CheckedThreat:
@@ -302,9 +318,12 @@ def _checked(
     reached = row.limits_anywhere() if limit is None else np.array([limit])
     if reached >= threat.required_m_s:
         reached = row.lowest_limits(reached)
+    expected = expected_limit = result.expected_limit_m_s
+    if error is not None and reached[0] != limit:
+        expected = float(row.expected_limits(reached)[0])
     standing = Standing(
         float(reached[0]),
-        None if error is None else float(row.expected_limits(reached)[0]),
+        expected,
         not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
         probability,
         greatest,
@@ -324,7 +343,6 @@ def _checked(
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
     if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
-    expected_limit = result.expected_limit_m_s
     shown = limit if expected_limit is None else expected_limit
     if needed and probability is None:
         flow_stress = needed_flow_stress(against, threat.required_m_s, required)
