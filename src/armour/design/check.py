@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -18,14 +18,15 @@ from armour.analysis.ballistic_limit import (
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.quantities import VERDICT
-from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
+from armour.analysis.results import OnProgress, TableResult, by_column, data_frame, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.variants import row_of
-from armour.design.requirements import Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
+from armour.design.offers import Offer, read_offers
+from armour.design.requirements import VERDICTS, Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
 from armour.evidence.model_error import ModelError
 from armour.evidence.tests import armours_of, far_from_tests, outside_tests, threat_warnings
-from armour.scenario.checked import checked
+from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, RequiredProbability, Threat
@@ -204,17 +205,84 @@ class CheckResult(TableResult):
         return by_column(rows)
 
 
+class CheckResults(tuple[CheckResult, ...]):
+    """Checks of several armours, a tuple."""
+
+    def to_dataframe(self) -> Any:
+        """Return a row for each armour as a data frame of pandas, or else of polars; see `rows`."""
+        return data_frame(by_column(self.rows()))
+
+    def rows(self) -> list[dict[str, object]]:
+        """Return a mapping for each armour: its labels, layers, weight, cost, verdict, and what decides about it.
+
+        Of several threats, limits and probability are those against the one that decides.
+        """
+        return [_row(each) for each in self]
+
+
+def _row(result: CheckResult) -> dict[str, object]:
+    threat, armour = deciding(result), result.question["scenario"].armour
+    return {
+        **result.question.get("labels", {}),
+        "ceramic": armour.ceramic,
+        "ceramic_thickness_mm": armour.ceramic_thickness_mm,
+        "backing": armour.backing,
+        "backing_thickness_mm": armour.backing_thickness_mm,
+        "areal_density_kg_m2": result.areal_density_kg_m2,
+        "cost_per_m2": result.cost_per_m2,
+        "threat": threat.threat,
+        "ballistic_limit_m_s": threat.ballistic_limit_m_s,
+        "expected_limit_m_s": threat.expected_limit_m_s,
+        "probability_of_stopping": threat.probability_of_stopping,
+        "verdict": result.verdict,
+        "far_from_tests": ", ".join(threat.far_from_tests),
+    }
+
+
+def standing(threat: CheckedThreat) -> tuple[int, float]:
+    """Return a sort key that puts first the threat that decides about the armour: of equals, the likeliest to fail."""
+    margin, chance = threat.margin_m_s, threat.probability_of_stopping
+    slack = float("inf") if margin is None else margin - threat.required_margin_m_s
+    return VERDICTS.index(threat.verdict), slack if chance is None else chance - (threat.required_probability or 0.0)
+
+
+def deciding(result: CheckResult) -> CheckedThreat:
+    """Return the threat that decides about an armour."""
+    return min(result.threats, key=standing)
+
+
+@overload
+def check(
+    scenario: Scenario,
+    *,
+    probability: RequiredProbability | None = None,
+    cases: None = None,
+    keep: Names = (),
+    on_progress: OnProgress = ignore_progress,
+) -> CheckResult: ...
+@overload
+def check(
+    scenario: Scenario,
+    *,
+    probability: RequiredProbability | None = None,
+    cases: Table,
+    keep: Names = (),
+    on_progress: OnProgress = ignore_progress,
+) -> CheckResults: ...
 @checked
 def check(
     scenario: Scenario,
     *,
     probability: RequiredProbability | None = None,
+    cases: Table | None = None,
+    keep: Names = (),
     on_progress: OnProgress = ignore_progress,
-) -> CheckResult:
-    """Check the armour of a scenario against every threat, and against small changes of each.
+) -> CheckResult | CheckResults:
+    """Check the armour of a scenario, or each of a table of offers, against every threat, and against small changes.
 
     If the scenario lists no threats, its impact is the threat.  The changes are: each layer thinner by the tolerance
     ``design.thickness_tolerance_mm``; the round 5 % faster; an angle of 0 or of 30 degrees instead of the threat's.
+    Offers are checked without changes.
 
     Parameters
     ----------
@@ -222,12 +290,18 @@ def check(
         Its section ``design`` may give the probability that is required, ``probability_of_stopping``.
     probability : float, optional
         Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.
+    cases : path-like, data frame, mapping of columns or sequence of mappings, optional
+        Table of offers, with an armour in each row: ceramic and metal with their thicknesses, and a price per m².
+    keep : str or sequence of str, optional
+        Further columns of the table to keep as labels; the first names the offers.
     on_progress : callable, optional
-        Called with the number of impacts computed since the last call, and None, as their total is not known.
+        Called with the number of impacts computed since the last call, and None, as their total is not known; with
+        offers, with their number and that of all.
 
     Returns
     -------
-    CheckResult
+    CheckResult or CheckResults
+        With offers, a tuple of their checks, in the order of the table.
 
     Examples
     --------
@@ -235,13 +309,33 @@ def check(
     >>> armour.check(armour.load_scenario("wilkins")).verdict
     'fails'
     """
-    return check_of(scenario.requiring(probability), on_progress)
+    scenario = scenario.requiring(probability)
+    if cases is None:
+        return check_of(scenario, on_progress)
+    return check_offers(read_offers(scenario, cases, tuple(keep)).offers, on_progress)
+
+
+def check_offers(offers: Sequence[Offer], on_progress: OnProgress = ignore_progress) -> CheckResults:
+    """Check armours on offer, without changes; the question of each result has its name and labels."""
+    results = []
+    for offer in offers:
+        results.append(check_of(offer.scenario, changes=False, needed=False, offer=offer))
+        on_progress(1, len(offers))
+    return CheckResults(results)
 
 
 def check_of(
-    scenario: Scenario, on_progress: OnProgress = ignore_progress, *, changes: bool = True, needed: bool = True
+    scenario: Scenario,
+    on_progress: OnProgress = ignore_progress,
+    *,
+    changes: bool = True,
+    needed: bool = True,
+    offer: Offer | None = None,
 ) -> CheckResult:
-    """Check the armour of a scenario as `check` does, or without its changes or the flow stress needed."""
+    """Check the armour of a scenario as `check` does, or without its changes or the flow stress needed.
+
+    An `offer` of this armour gives its cost.
+    """
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
@@ -257,7 +351,8 @@ def check_of(
         )
         for impact, threat, misplacements in zip(impacts, threats, wrongly_placed, strict=True)
     )
-    areal_density, thickness, cost = scenario.areal_density_kg_m2(), scenario.thickness_mm(), scenario.cost_per_m2()
+    areal_density, thickness = scenario.areal_density_kg_m2(), scenario.thickness_mm()
+    cost = scenario.cost_per_m2() if offer is None else offer.cost_per_m2
     rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
     verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
@@ -284,7 +379,7 @@ def check_of(
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         whole_thickness_mm=scenario.thickness_mm(whole=True),
         basis=scenario.basis(),
-    ).of(title, scenario=scenario)
+    ).of(title, scenario=scenario, **({} if offer is None else {"name": offer.name, "labels": offer.labels}))
 
 
 def evaluated(
