@@ -64,7 +64,7 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
         return all(stops(posed(case, *layers, *thick, threat), threat.required_m_s) for threat in case.threat)
 
     assert holds(best.ceramic_thickness_mm)
-    assert not holds(best.ceramic_thickness_mm - 2e-6)
+    assert not holds(best.ceramic_thickness_mm - 0.01 - 2e-6)
 
 
 def test_a_density_in_place_of_the_librarys():

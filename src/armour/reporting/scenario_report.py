@@ -128,7 +128,8 @@ def _facts(checked: CheckResult, threat: CheckedThreat, answer: Scenario) -> Ite
     near = []
     if (limit := threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(answer, limit) if each.is_near(limit)]
-    yield f"{against} {design_view.limit_words(threat)}. {f'Tests: {tests}.' if tests else threat.reason + '.'}"
+    basis = f"Tests: {tests}" if tests else f"{threat.reason[:1].upper()}{threat.reason[1:]}"
+    yield f"{against} {design_view.limit_words(threat)}. {basis}."
     if threat.far_from_tests:
         yield f"Far from the tests: {', '.join(threat.far_from_tests)}."
     yield from (f"Tested near this limit: {each.armour}, {each.areal_density_kg_m2:.1f} kg/m²." for each in near[:1])

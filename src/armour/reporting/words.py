@@ -187,14 +187,6 @@ def least_flow_stress() -> float:
     return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
 
 
-def needed_words(needed: NeededFlowStress | None) -> str | None:
-    """Return the flow stress that a ceramic without tests needs, GPa, as the text of a cell; None gives None."""
-    if needed is None or needed.needed_GPa is None:
-        return None if needed is None else "above 100"
-    # A number would add nothing: every ceramic of the library has more.
-    return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
-
-
 def rounded_up(number: float) -> str:
     """Format a positive number rounded up to a tenth; floating-point error above a tenth is ignored."""
     return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"

@@ -18,7 +18,7 @@ from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
-from armour.reporting.words import chance
+from armour.reporting.words import chance, said_of
 from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis.
@@ -52,7 +52,7 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     panels = [_Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())]
     panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
     panels += [_front_panel(result)] if result.pareto else []
-    notes = " ".join(filter(None, (panel.note for panel in panels)))
+    notes = " ".join(filter(None, (*(panel.note for panel in panels), *_caveats(result))))
     picture = sheet.panels(headline(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
@@ -100,7 +100,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
         notes.append(f"Bands show {' or '.join(bands)}.")
     if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
         notes.append("Dashed lines are outside the tests.")
-    note = " ".join(notes)
+    note = " ".join([*notes, *_caveats(result)])
     picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, maps[0].catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
@@ -288,13 +288,18 @@ def _design_text(design: Design, *criteria: str) -> str:
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
+def _caveats(result: CheckResult | DesignResult) -> list[str]:
+    """Return sentences with the caveats of the model."""
+    return [f"{words[:1].upper()}{words[1:]}." for words in said_of(result.notes)]
+
+
 @draw.register
 def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the ballistic limits in a panel for each threat, with a row for the armour as given and for each change."""
     by_threat = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
-    note = "Percentages: probability that the armour stops a shot."
+    note = " ".join(["Percentages: probability that the armour stops a shot.", *_caveats(result)])
     picture = sheet.panels(headline(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]

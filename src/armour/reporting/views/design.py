@@ -21,9 +21,9 @@ from armour.scenario.schema import OBJECTIVES, InertLayer
 
 AREAL_DENSITY, COST = Column.of("areal_density_kg_m2"), Column.of("cost_per_m2", ".0f")
 THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
-OBJECTIVE_WORDS = {column.key: column for column in (AREAL_DENSITY, THICKNESS, COST)}
 CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
 MARGIN = Column.of("margin_m_s", "+.0f", "least margin")
+OBJECTIVE_WORDS = {column.key: column for column in (AREAL_DENSITY, THICKNESS, COST, MARGIN)}
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
 LIMIT, STOPS, VERDICT = Column("limit, m/s", prose=True), Column("stops", prose=True), Column("verdict", prose=True)
 # Designs within 1 % of the best that a line names.
