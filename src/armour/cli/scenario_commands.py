@@ -40,6 +40,7 @@ from armour.reporting.table import rows_csv
 from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, describe
 
+ONE_SCENARIO = "must be given with one scenario, not with several or a folder"
 # Longest command that fits on a line of 80 columns after "next: "; name of a file for the best design.
 LONGEST_NEXT, BEST = 74, "best.toml"
 
@@ -182,9 +183,11 @@ def check(
     paths = scenario_paths(scenario, yes=yes)
     is_one = cases is None and paths == scenario[:1]  # false for a folder, however many scenarios are in it
     runner.check_options(
-        ("--plot", plot and not is_one, "must be given with one armour, not with several or a folder"),
-        ("--cases", cases and paths != scenario[:1], "must be given with one scenario, not with several or a folder"),
-        ("--cases", cases and against, "must be given without --against"),
+        *(
+            (name, value and paths != scenario[:1], ONE_SCENARIO)
+            for name, value in (("--plot", plot), ("--cases", cases))
+        ),
+        ("--cases", cases and (plot or against), "must be given without --plot and --against"),
         ("--sheet", sheet and not cases, "must be given with --cases"),
         ("--keep", keep and not cases, "must be given with --cases"),
     )

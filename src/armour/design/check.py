@@ -222,8 +222,7 @@ class CheckResults(tuple[CheckResult, ...]):
 
 def _row(result: CheckResult) -> dict[str, object]:
     threat, armour = deciding(result), result.question["scenario"].armour
-    return {
-        **result.question.get("labels", {}),
+    row = {
         "ceramic": armour.ceramic,
         "ceramic_thickness_mm": armour.ceramic_thickness_mm,
         "backing": armour.backing,
@@ -237,6 +236,8 @@ def _row(result: CheckResult) -> dict[str, object]:
         "verdict": result.verdict,
         "far_from_tests": ", ".join(threat.far_from_tests),
     }
+    labels: dict[str, str] = result.question.get("labels", {})
+    return {**{name + " (offer)" * (name in row): label for name, label in labels.items()}, **row}
 
 
 def standing(threat: CheckedThreat) -> tuple[int, float]:
