@@ -95,3 +95,16 @@ def test_the_table_is_not_replaced(cli):
     assert cli.fails(2, *CHECK, "--csv", "offers.csv", "--force") == [
         "offers.csv: must not be the file that is read; choose another name"
     ]
+
+
+def test_a_sheet_of_a_workbook(cli, folder: Path):
+    book = pytest.importorskip("openpyxl").Workbook()
+    sheet = book.create_sheet("Angebote")
+    for row in (
+        ["Angebot", "Kachel", "Kacheldicke [mm]", "Platte", "Plattendicke [mm]"],
+        ["A", "AD85", 10, "6061-T6", 8],
+    ):
+        sheet.append(row)
+    book.save(folder / "offers.xlsx")
+    result = cli("check", "wilkins", "--cases", "offers.xlsx", "--sheet", "Angebote", "--keep", "Angebot")
+    assert (result.exit_code, result.stdout.splitlines()[-1].split()[:5]) == (0, ["A", "10", "mm", "AD85", "on"])

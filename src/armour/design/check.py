@@ -20,7 +20,7 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.quantities import VERDICT
 from armour.analysis.results import OnProgress, TableResult, by_column, data_frame, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
-from armour.analysis.variants import row_of
+from armour.analysis.variants import Variants, row_of
 from armour.design.offers import Offer, read_offers
 from armour.design.requirements import VERDICTS, Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
@@ -340,28 +340,29 @@ def check_of(
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
+    rows = [row_of(impact) for impact in impacts]
     wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
         _checked(
-            impact,
+            row,
             threat,
             on_progress,
             sample=bool(distributions) and not misplacements,
             changes=changes,
             needed=needed,
         )
-        for impact, threat, misplacements in zip(impacts, threats, wrongly_placed, strict=True)
+        for row, threat, misplacements in zip(rows, threats, wrongly_placed, strict=True)
     )
     areal_density, thickness = scenario.areal_density_kg_m2(), scenario.thickness_mm()
     cost = scenario.cost_per_m2() if offer is None else offer.cost_per_m2
-    rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
-    verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
+    limits = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
+    verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
     notes = (
         *scenario.floors,
         *scenario.unused_impact(),
         *scenario.unused_densities(),
-        *threat_warnings(scenario, armours_of(*impacts)),
+        *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
         *(
             dict.fromkeys(note for each in wrongly_placed for note in each)
             if requires
@@ -373,7 +374,7 @@ def check_of(
         checked_threats,
         verdict_of(verdicts),
         notes,
-        requirements=rows,
+        requirements=limits,
         areal_density_kg_m2=areal_density,
         thickness_mm=thickness,
         cost_per_m2=cost,
@@ -396,14 +397,14 @@ def evaluated(
 
 
 def _checked(
-    against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
+    row: Variants, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
 ) -> CheckedThreat:
-    """Check the armour of the scenario `against`, whose impact is the given threat.
+    """Check the armour of a scenario, a single row, whose impact is the given threat.
 
     `sample` tells whether to sample the distributions of its inputs if a probability is required, and `changes` and
     `needed` whether to check the changes and to find the flow stress needed.
     """
-    row, section = row_of(against), against.design or DesignSection()
+    against, section = row.scenario, row.scenario.design or DesignSection()
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
     probability, sampled = probability_by_tests(against, limit, error), None
