@@ -170,7 +170,7 @@ def read_scenario(
         return required
     if any(required.required_probabilities()):
         raise wrong_option("--by-model", "must be given without a required probability, which the model does not have")
-    return required.replaced({"uncertainty.model": {"included": False}})
+    return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
 
 def say_how_read(table: object, content: Content) -> Content:

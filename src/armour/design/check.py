@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any, overload
 
 import numpy as np
@@ -240,16 +241,16 @@ def _row(result: CheckResult) -> dict[str, object]:
     return {**{name + " (offer)" * (name in row): label for name, label in labels.items()}, **row}
 
 
-def standing(threat: CheckedThreat) -> tuple[int, float]:
+def _rank(threat: CheckedThreat) -> tuple[int, float]:
     """Return a sort key that puts first the threat that decides about the armour: of equals, the likeliest to fail."""
     margin, chance = threat.margin_m_s, threat.probability_of_stopping
-    slack = float("inf") if margin is None else margin - threat.required_margin_m_s
+    slack = inf if margin is None else margin - threat.required_margin_m_s
     return VERDICTS.index(threat.verdict), slack if chance is None else chance - (threat.required_probability or 0.0)
 
 
 def deciding(result: CheckResult) -> CheckedThreat:
     """Return the threat that decides about an armour."""
-    return min(result.threats, key=standing)
+    return min(result.threats, key=_rank)
 
 
 @overload

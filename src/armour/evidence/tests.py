@@ -562,22 +562,41 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
     range of the tests, which is rounded inwards.
     """
+    ceramic, tested, p = armours.materials[0].ceramic, what_was_tested(scenario, armours), armours.parameters
+    sizes_mm = [(thickness * armours.cosines).item() / MM for thickness in np.array([p.Hc0, p.Hb])]
+    words = [f"{ceramic.name} (no test)"] if ceramic is not None and sizes_mm[0] and is_untested(ceramic) else []
+    words += filter(None, map(tested.far, LAYERS.values(), sizes_mm))
+    return (*words, *tested.others)
+
+
+class Tested(NamedTuple):
+    """What was tested of armours like one."""
+
+    thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
+    others: tuple[str, ...]  # what else of the armour is far from that, in words
+
+    def far(self, layer: str, size_mm: float) -> str:
+        """Return the thickness of a layer, mm, with the range tested if it is far from that; otherwise ""."""
+        low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
+        if not size_mm or low / FAR <= size_mm <= high * FAR:
+            return ""
+        ends = np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0
+        return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
+
+
+def what_was_tested(scenario: Scenario, armours: Armours) -> Tested:
+    """Return what was tested of armours like that of a scenario, a single row; without that its ceramic was not."""
     [(nearest, _)] = armours.by_evidence()
     evidence, q = _tests_of(nearest, armours), armours.quantities()
-    ceramic, metal = armours.materials[0]
     diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
-    far = [each for each in (*evidence.kind, *evidence.measured) if each.factor(q)[0] > FAR]
-    roles = {name.partition("_")[0] for name in (each.name for each in far) if name not in LAYERS}
+    ranges = [*evidence.kind, *evidence.measured]
+    roles = {each.name.partition("_")[0] for each in ranges if each.name not in LAYERS and each.factor(q)[0] > FAR}
+    thicknesses_mm = {
+        LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in ranges if each.name in LAYERS
+    }
     words = []
-    if evidence.ceramic and ceramic is not None and is_untested(ceramic):
-        words.append(f"{ceramic.name} (no test)")
-    for each in far:
-        if each.name in LAYERS and q[each.name][0]:
-            low, high = np.ceil(10.0 * each.low * diameter_mm) / 10.0, np.floor(10.0 * each.high * diameter_mm) / 10.0
-            found = f"{q[each.name][0] * diameter_mm:.4g} mm {LAYERS[each.name]}"
-            words.append(f"{found} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in (low, high)))} mm)")
     for name, tested, role, with_it in (
-        (metal.name, evidence.metal, "backing", "on"),
+        (armours.materials[0].backing.name, evidence.metal, "backing", "on"),
         (scenario.impact.projectile, evidence.projectile, "rod", "with"),
     ):
         if tested and not evidence.lot and tested != name:
@@ -586,7 +605,7 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
             words.append(name)
     if evidence.fails_angle(armours.cosines)[0]:
         words.append(f"{scenario.impact.obliquity_deg:g}° (tested to {evidence.obliquity_max_deg:g}°)")
-    return tuple(words)
+    return Tested(thicknesses_mm, tuple(words))
 
 
 def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cache
-from math import ceil, floor
+from math import ceil, floor, inf
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.analysis.estimates import Estimate
@@ -77,8 +77,14 @@ def requirement_words(row: Requirement) -> str:
         return f"{sources} of the flow stress of its ceramic, at least {row.required:g} required"
     unit = OBJECTIVES[row.quantity].unit
     label = Column.of(row.quantity).label.removesuffix(unit)
-    found = "not known" if row.found is None else beside(row.found, row.required, 1, at_most=True) + unit
+    found = "not known" if row.found is None else amount(row.quantity, row.found, row.required) + unit
     return f"{label} {found}, at most {row.required:g}{unit} allowed"
+
+
+def amount(quantity: str, value: float, most: float = inf) -> str:
+    """Format the areal density, thickness or cost of an armour, beside the most that is allowed."""
+    text = beside(value, most, 0 if quantity == "cost_per_m2" else 1, at_most=True)
+    return text.removesuffix(".0") if quantity == "thickness_mm" else text
 
 
 def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:

@@ -1,6 +1,7 @@
 """Answers on armours: a verdict in a line, and the facts that it rests on; the details are for -v."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import inf
 from operator import attrgetter
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -79,7 +80,7 @@ def reasons(threat: CheckedThreat) -> str:
         if threat.verdict == "expected to stop":
             return f"a shot of {name}, with {likely} ({required})"
         return f"stops a shot of {name} with {likely} ({required})"
-    limit = f"limit {limit_text(threat)} m/s"
+    limit = "no limit found" if threat.ballistic_limit_m_s is None else f"limit {limit_text(threat)} m/s"
     if "by the model" in threat.verdict:
         return f"{name}, {limit}"
     is_stopped = threat.verdict != "fails" and (threat.margin_m_s is None or threat.margin_m_s >= 0.0)
@@ -115,17 +116,14 @@ def verdict_line(result: CheckResult) -> str:
 
 def amounts(result: CheckResult) -> str:
     """Return areal density, thickness and cost of an armour in a line, with the most that is allowed of each."""
-    most = {row.quantity: row.required for row in result.requirements}
-    values = {key: getattr(result, key) for key in OBJECTIVES}
-    words = []
-    for key, decimals, before, unit in (
-        ("areal_density_kg_m2", 1, "", " kg/m²"),
-        ("thickness_mm", 1, "", " mm"),
-        ("cost_per_m2", 0, "cost ", " per m²"),
+    most, words = {row.quantity: row.required for row in result.requirements}, []
+    for key, before, unit in (
+        (AREAL_DENSITY.key, "", " kg/m²"),
+        (THICKNESS.key, "", " mm"),
+        (COST.key, "cost ", " per m²"),
     ):
-        if values[key] is not None:
-            text = beside(values[key], most.get(key, float("inf")), decimals, at_most=True)
-            text = text.removesuffix(".0") if key == "thickness_mm" else text
+        if (value := getattr(result, key)) is not None:
+            text = phrases.amount(key, value, most.get(key, inf))
             words.append(f"{before}{text}{f' of at most {most[key]:g}' if key in most else ''}{unit}")
     return ", ".join(words)
 
