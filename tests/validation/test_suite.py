@@ -171,6 +171,7 @@ MISTAKES = {
         ("724.0", "1" + 400 * "0", "case[0].expected: must be a number, found a whole number of more than 64 bits"),
         ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
         ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
+        ("ballistic_limit_m_s", "verdict", "case[0]: a verdict has no band, found band"),
         ("wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
         ("band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD85x"', f"{IN_SCENARIO}armour.ceramic: must name a"),
         ("ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),
@@ -178,6 +179,7 @@ MISTAKES = {
     OUTCOME: [
         ("stopped", "undecided", 'case[0]: expected must be "stopped" or "perforated" (or partial or complete'),
         ('"stopped"', '"stopped"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
+        ("outcome", "verdict", "case[0]: expected must be one of fails, perforated by the model, not known"),
     ],
     TABLE: [
         ("6.35, 730.0]", "730.0]", "table[0]: every row must have the 2 numbers of the columns, found 1 in row"),

@@ -35,6 +35,16 @@ def the_check(folder: Path, text: str) -> Check:
     return check
 
 
+@pytest.mark.parametrize(("expected", "status"), [("fails", "outside"), ("passes", "within"), ("not known", "outside")])
+def test_a_verdict_is_that_of_a_check(folder: Path, expected: str, status: str):
+    required = "set.design.probability_of_stopping = 0.9\nset.impact.velocity_m_s = 500.0"
+    text = (
+        f'[[case]]\nname = "a"\nscenario = "wilkins.toml"\nquantity = "verdict"\nexpected = "{expected}"\n{required}\n'
+    )
+    found = the_check(folder, text)
+    assert (found.computed, found.status) == ("passes", status)
+
+
 def test_within_and_outside(folder: Path):
     found = result(folder, case("in", 724.0, "band = 1.0") + case("out", 725.0, "band = 1.0"))
     inside, outside = found.checks

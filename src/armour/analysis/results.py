@@ -40,8 +40,9 @@ class Result:
     ----------
     question : mapping
         What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
-        ``shots``; ``confidence``, the result that has the probability of an impact; ``changed``, equations that are not
-        those of this program, in words; ``every_row``, whether to show all rows.  Each may be missing.
+        ``shots``; ``name`` and ``labels`` of an offer; ``confidence``, the result that has the probability of an
+        impact; ``changed``, equations that are not those of this program, in words; ``every_row``, whether to show all
+        rows.  Each may be missing.
     """
 
     question: ClassVar[Mapping[str, Any]] = {}

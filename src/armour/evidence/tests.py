@@ -719,7 +719,8 @@ def threat_warnings(
     """
     threats = scenario.threats()
     titles, backings = [threat.title for threat in threats], [materials.backing for materials in armours.materials]
-    by_threat = (limits_of_model(armours.at([place]), backings) for place in range(len(threats)))
+    each = [armours] if len(threats) == 1 else [armours.at([place]) for place in range(len(threats))]
+    by_threat = (limits_of_model(armour, backings) for armour in each)
     for note, _ in against_each(titles, by_threat):
         yield note
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
