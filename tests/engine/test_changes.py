@@ -15,7 +15,7 @@ import armour
 from armour.core import equations, search
 from armour.engine import changes, compiled
 from armour.errors import InputError
-from armour.reporting.by_result import in_a_line
+from armour.reporting.views.design import tables_of_check
 
 
 @pytest.mark.parametrize(("name", "factor"), [("deceleration", 0.4), ("shear_force_plug", 0.1)])
@@ -130,7 +130,7 @@ def test_results_name_changed_equations():
             assert words in function(scenario).warnings
         [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
         assert warning == f"{words}; this concerns 2 of 2 rows"
-        assert words in in_a_line(armour.check(scenario))
+        assert words in tables_of_check(armour.check(scenario))
 
 
 def test_a_calibration_by_changed_equations_says_so(tmp_path: Path):

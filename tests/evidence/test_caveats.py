@@ -37,7 +37,7 @@ def on(density: float, **sections: object) -> Scenario:
 
 
 def said(result: armour.CheckResult | armour.DesignResult | armour.ImpactResult) -> list[str]:
-    return [note.text for note in result.notes if note.said]
+    return [note.text for note in result.notes if note.said not in ("", "far")]
 
 
 def texts_of(result: armour.CheckResult | armour.DesignResult) -> list[str]:

@@ -264,8 +264,7 @@ class DesignResult(TableResult):
 
 def armour_in_words(design: Design) -> str:
     """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
-    ceramic = f"{design.ceramic} (untested)" if design.untested else design.ceramic
-    layers = (design.ceramic_thickness_mm, ceramic), (design.backing_thickness_mm, design.backing)
+    layers = (design.ceramic_thickness_mm, design.ceramic), (design.backing_thickness_mm, design.backing)
     return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name and thickness)
 
 

@@ -129,7 +129,7 @@ def amounts(result: CheckResult) -> str:
 def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Table | str]:
     """Return what the verdict on an armour rests on: its limit and the tests, or a row for each of several threats.
 
-    `armour` is what stands first, and `also` what other designs are nearly as good.
+    For a check, `armour` stands first and what small changes do last; for a search, `also` names other designs.
     """
     threat, several, shown = deciding(result), len(result.threats) > 1, list[Table | str]()
     if several:
@@ -149,7 +149,7 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         rows |= {
             "limit": "" if several else limit_words(threat),
             "tests": tests_words(threat),
-            "changed": changes(threat),
+            "changed": changes(threat) if armour else "",
             "needs": needs(threat),
         }
     rows["within 1 %"] = also
@@ -238,6 +238,8 @@ def next_step(result: CheckResult) -> tuple[str, str]:
         return "check", f"--probability {USUAL_PROBABILITY:g}"
     if not _is_modelled(threat):
         return "", "see docs/what-armour-cannot-do.md"
+    if threat.verdict not in ("fails", "passes") and result.question["scenario"].excludes_error():
+        return "", "without uncertainty.model.included = false, tests may tell"
     error = threat.model_error
     if result.verdict in ("not known", "stopped by the model"):
         return "", "own tests decide: fire a V50 of this armour, then armour calibrate"
