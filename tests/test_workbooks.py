@@ -60,7 +60,7 @@ def made(
 
 def cells_of(path: Path, sheet: str = "S") -> list[tuple[int, list[str]]]:
     """The rows of a sheet."""
-    return list(rows_of(workbook_of(path, path.read_bytes()), sheet))
+    return [(number, cells) for number, cells, _ in rows_of(workbook_of(path, path.read_bytes()), sheet)]
 
 
 def test_values_of_all_kinds(tmp_path: Path):

@@ -371,7 +371,13 @@ def sweep(
         "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
         "gives their values, such as SiC."
     ),
-    sheet: str | None = option("Sheet of a workbook of cases, by default the first.", metavar="NAME"),
+    sheet: str | None = option(
+        "Sheet of a workbook of cases, by default the only visible one with a table.", metavar="NAME"
+    ),
+    keep: list[str] | None = option(
+        "Column of the cases that is no key, such as the name or the price of an offer, to keep as text; repeatable.",
+        metavar="COLUMN",
+    ),
     quantities: str = option(
         "Quantities to compute, from the list below; by default the ballistic limit.",
         metavar="NAME,...",
@@ -407,10 +413,11 @@ def sweep(
         ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
         ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
         ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
+        ("--keep", cases is None and keep, "must be given with --cases"),
         ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
     )
     with runner.as_options("sweep"):
-        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet, keep or ())
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
 

@@ -17,9 +17,9 @@ from armour.sweeps.sweep import Effort, subject_of, write_sweep
 from armour.sweeps.tables import read_table
 
 
-def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
+def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = ()) -> SweepCases:
     """Open a table of cases, and say how it was read if that was not obvious; `sheet` is that of a workbook."""
-    cases = SweepCases(file, sheet)
+    cases = SweepCases(file, sheet, keep)
     if cases.read:
         say(f"read {file}: {cases.read}")
     return cases

@@ -25,7 +25,7 @@ from armour.analysis.evaluate import check_keys, check_quantities, evaluate_grou
 from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
 from armour.engine.changes import changed_names
-from armour.errors import InputError, Note, choices, counted, duration, mistake
+from armour.errors import InputError, Note, Problem, choices, counted, duration, mistake, refuse
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
@@ -146,6 +146,7 @@ def sweep(
     output: str | PathLike[str] | None = None,
     *,
     cases: Table | None = None,
+    keep: Names = (),
     threads: Annotated[int, Field(ge=1)] | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> SweepResult:
@@ -166,6 +167,8 @@ def sweep(
     cases : path-like, data frame, mapping of columns or sequence of mappings, optional
         In place of ``over``, a table with a case in each row, whose columns are keys: a CSV file, a data frame, or
         columns by key.
+    keep : str or sequence of str, optional
+        Columns of the cases that are no keys, such as the name or the price of an offer; they are kept as texts.
     threads : int, optional
         Number of threads, by default one per core.
     on_progress : callable, optional
@@ -192,7 +195,7 @@ def sweep(
     names = tuple(quantities)
     if not names:
         raise mistake("sweep", "quantities", "must name at least one quantity, found none")
-    source = source_of(over, cases)
+    source = source_of(over, cases, (*keep,))
     warnings = [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
     columns: Mapping[str, Any] = {}
     if output is None:
@@ -201,7 +204,8 @@ def sweep(
         check(scenario, source, names)
         warnings += general_warnings(scenario, names)
         check_rows(scenario, source)
-        columns, row_counts = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
+        computed_columns, row_counts = chunk_of(scenario, source.rows(every := np.arange(source.count)), names, threads)
+        columns = {**source.labels(every), **computed_columns}
         warnings += row_warnings(row_counts, source.count)
         on_progress(source.count, source.count)
     else:
@@ -278,7 +282,7 @@ def write_sweep(
                     for chunk in chunks:
                         store.append(chunk)
                         on_chunk(chunk.rows, False)
-            store.finish(made_by(scenario, command))
+            store.finish(made_by(scenario, command), source.labels)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.done:,} of {source.count:,} rows are done; {RESUME}") from None
     for line in row_warnings(store.warnings, source.count):
@@ -337,6 +341,11 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
         raise mistake("sweep", "over", "must not name a key twice")
     first_row = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
     check_keys(scenario, first_row, quantities, "sweep")
+    refuse(
+        Problem("sweep", "keep", f"must not name a quantity to compute, found {name}")
+        for name in source.labels(np.arange(1))
+        if name in quantities
+    )
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from armour.analysis.evaluate import outside_of
+from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
 from armour.reporting.by_result import line_of, tables_of
 from armour.reporting.table import Column, Table
@@ -37,7 +38,7 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
     tests, a last column says which do.
     """
     first = {name: values[:SWEEP_ROWS] for name, values in columns.items()}
-    quantities = [name for name in columns if name not in keys]
+    quantities = [name for name in columns if name in QUANTITIES and name not in keys]
     is_outside = outside_of(scenario, {key: first[key] for key in keys}, quantities)
     headings = [Column.of(name, ".6g" if is_number(values) else "") for name, values in columns.items()]
     cells = [values.tolist() for values in first.values()]
