@@ -56,8 +56,8 @@ USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 CROSS = "x"
 # Relative difference of two numbers that are rounded in different units.
 SAME = 1e-3
-# Least number of numbers that may lie in two groups, and the least share of their range that lies between these.
-LEAST_GROUPED, GAP = 6, 2 / 3
+# Least number of numbers that may lie in two groups, and the least distance of these, in ranges of the wider one.
+LEAST_GROUPED, GAP = 6, 2.0
 # Greatest length of a remark, or of a value, in a message.
 MAX_QUOTED = 100
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
@@ -103,7 +103,6 @@ class Source:
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
-    sheets: Sequence[str] = ()  # of a workbook
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
     problems: list[Problem] = field(default_factory=list)  # in the lines
     marked: dict[str, str] = field(default_factory=dict)  # rows of a sheet that are hidden or struck through, by place
@@ -289,7 +288,7 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     (source.place, header), *head = head[above:]
     if above:
         source.form.append(f"{counted(above, 'line')} above the header")
-    while header and not header[-1]:
+    while header and not header[-1] and not any(cells[len(header) - 1 : len(header)] > [""] for _, cells in head):
         header.pop()
     if any(len(name) > MAX_NAME for name in header):
         raise mistake(
@@ -374,9 +373,8 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[
             raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long")
         source.digest.update(content)
         workbook = workbook_of(path, content)
-        source.sheets = names = [*workbook.sheets]
-        if sheet is not None and sheet not in names:
-            raise mistake(path, "", f"must have the sheet {sheet}, found {listed(names)}")
+        if sheet is not None and sheet not in workbook.sheets:
+            raise mistake(path, "", f"must have the sheet {sheet}, found {listed([*workbook.sheets])}")
         name = _only_table(workbook, known) if sheet is None else sheet
         source.form.append(f"sheet {name}")
         for number, cells, mark in rows_of(workbook, name):
@@ -391,12 +389,15 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[
 
 
 def _only_table(workbook: Workbook, known: Callable[[str], bool]) -> str:
-    """Return the name of the only visible sheet with a table; without one, of the first visible sheet."""
-    heads = {name: [cells for _, cells, _ in islice(rows_of(workbook, name), HEAD)] for name in workbook.visible}
-    tables = [name for name, head in heads.items() if _most_known(head, known)[0] >= LEAST_NAMES]
-    if len(tables) > 1:
-        raise mistake(workbook.path, "", f"must have one sheet with a table, found {listed(tables)}; --sheet chooses")
-    return (tables or workbook.visible)[0]
+    """Return the name of the only visible sheet or, of several, of the only one with a table."""
+    names = workbook.visible
+    if len(names) > 1:
+        heads = [[cells for _, cells, _ in islice(rows_of(workbook, name), HEAD)] for name in names]
+        names = [name for name, head in zip(names, heads, strict=True) if _most_known(head, known)[0] >= LEAST_NAMES]
+    if len(names) != 1:
+        found = f"found {listed(names) or 'none'}; --sheet chooses from {listed([*workbook.sheets])}"
+        raise mistake(workbook.path, "", f"must have one visible sheet with a table, {found}")
+    return names[0]
 
 
 def shipped_rows(name: str) -> list[dict[str, str]]:
@@ -440,7 +441,11 @@ def read_rows(
     they are groups.
     """
     file, where = source.file, where or {}
-    columns, unread, lines, uncounted = _checked(source, kind, least, ignore)
+    columns = columns_of(source.header, kind.keys)
+    chosen, unwanted = ({i for name in names for i in named_places(source, columns, name)} for names in (where, ignore))
+    columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
+    unread = {i for i, column in enumerate(columns) if not column.known} - chosen - unwanted
+    columns, lines, uncounted = _checked(source, kind, columns, unread, least)
     lines = _chosen(source, columns, lines, where, uncounted)
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
@@ -448,10 +453,9 @@ def read_rows(
     places = [place for place, _ in lines]
     rows = [CsvRow(place, {}, {}) for place in places]
     groups, dividing, ignored, warnings = dict[str, list[str]](), dict[str, list[str]](), list[str](), list[str]()
-    chosen = {place for name in where for place in places_of(source, columns, name)}
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
-        if source.sheets and column.key in kind.needed and cells and not any(cells):
+        if "sheet " in "".join(source.form[:1]) and column.key in kind.needed and cells and not any(cells):
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in kind.numbers:
             numbers, _ = source.numbers(name, column, places, cells)
@@ -465,8 +469,11 @@ def read_rows(
         elif not column.known and index not in chosen:
             ignored += [name] * bool(source.header[index] or any(cells))
             if index in unread and are_remarks(cells):
-                said = [f'{place} "{cell[:MAX_QUOTED]}"' for place, cell in zip(places, cells, strict=True) if cell]
-                warnings.append(f"{name}, which is not read, says {listed(said)}")
+                said = dict[str, list[str]]()
+                for place, cell in zip(places, cells, strict=True):
+                    said.setdefault(cell[:MAX_QUOTED], []).append(place)
+                texts = [f'"{text}" in {listed(those)}' for text, those in said.items() if text]
+                warnings.append(f"{name}, which is not read, says {'; '.join(texts)}")
             elif index in unread and (division := how_divided(name, cells, kind.noun, source.form)):
                 dividing[name] = cells
                 if closed:
@@ -496,9 +503,7 @@ def are_remarks(cells: Sequence[str]) -> bool:
     """
     texts = {*cells} - {""}
     if "" in cells and texts:
-        return not any(
-            len(letters(text)) <= LONGEST_CODE or is_number(text) or is_yes(text) is not None for text in texts
-        )
+        return all(len(letters(text)) > LONGEST_CODE and not is_number(text) and is_yes(text) is None for text in texts)
     return len(texts) == len(cells) and any(map(_PHRASE.search, texts))
 
 
@@ -506,15 +511,15 @@ def how_divided(name: str, cells: Sequence[str], noun: str, form: Collection[str
     """Return how a column that is not read divides the rows of a table, given its form; None if it does not.
 
     It divides them if some cells are equal and others differ.  Numbers of which more than half differ are measured, and
-    divide the rows only if they lie in two groups far apart.
+    divide the rows only if they lie in two groups far apart, as yaw angles do of which some are too great.
     """
     values, mark = {*cells}, decimal_mark(cells, Column(name), form) or "."
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
-    if len(measured) < len(numbers) or 2 * len(values) <= len(cells):
+    if len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
         return by_values(name, cells, noun) if 1 < len(values) < len(cells) else None
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
-    if len(measured) < LEAST_GROUPED or high - low <= GAP * (measured[-1] - measured[0]):
+    if len(measured) < LEAST_GROUPED or high - low <= GAP * max(low - measured[0], measured[-1] - high):
         return None
     ways = f"a column counts leaves {noun}s out, --ignore {shell_word(name)} counts all"
     return f"divides the {noun}s: up to {low:g}, from {high:g}; {ways}", ()
@@ -530,12 +535,11 @@ def by_values(name: str, cells: Sequence[str], noun: str, or_each: str = "") -> 
 
 
 def _checked(
-    source: Source, kind: TableKind, least: int, ignore: Collection[str]
-) -> tuple[list[Column], set[int], list[Line], set[str]]:
-    """Return the columns of a table and which are not read, its lines, and the places of those that do not count.
+    source: Source, kind: TableKind, columns: list[Column], unread: Collection[int], least: int
+) -> tuple[list[Column], list[Line], set[str]]:
+    """Return the columns of a table, its lines of the width of the header, and the places of those that do not count.
 
-    The columns that are not read are those that ``ignore`` does not name.  Lines of another width than the header are
-    recorded as wrong, and left out.
+    Lines of another width are recorded as wrong.
     """
     file, header = source.file, source.header
     if not source.place:
@@ -544,23 +548,16 @@ def _checked(
     lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
     if len(lines) > MAX_TABLE_ROWS:
         raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
-    columns = columns_of(header, kind.keys)
-    ignored = {place for name in ignore for place in named_places(source, columns, name)}
-    columns = [Column(header[i], known=False) if i in ignored else column for i, column in enumerate(columns)]
-    unread = {i for i, column in enumerate(columns) if not column.known} - ignored
     whole = [line for line in lines if len(line[1]) == len(header)]
     uncounted = _uncounted(source, columns, whole, kind.texts[0])
     columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
-    if len(source.sheets) > 1 and not any(column.known for column in columns):
-        names = listed(source.sheets)
-        raise mistake(file, "", f"must have {kind.noun}s in the {source.form[0]}; --sheet chooses: {names}")
     refuse(Problem(file, key, message) for key, message in _wrong_columns(source, columns, unread, kind))
     for place, cells in lines:
         if len(cells) != len(header):
             source.wrong(place, wrong_width(cells, header))
     if len(lines) < least:
         source.problems = [Problem(file, "", "must have at least one row below its header")]
-    return columns, unread, whole, uncounted
+    return columns, whole, uncounted
 
 
 def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> None:
