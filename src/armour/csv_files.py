@@ -58,7 +58,7 @@ CROSS = "x"
 SAME = 1e-3
 # Least number of numbers that may lie in two groups, and the least distance of these, in ranges of the wider one.
 LEAST_GROUPED, GAP = 6, 2.0
-# Greatest length of a remark, or of a value, in a message.
+# Greatest length of a value in a message.
 MAX_QUOTED = 100
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Two words, as in a remark.
@@ -455,7 +455,7 @@ def read_rows(
     groups, dividing, ignored, warnings = dict[str, list[str]](), dict[str, list[str]](), list[str](), list[str]()
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
-        if "sheet " in "".join(source.form[:1]) and column.key in kind.needed and cells and not any(cells):
+        if source.form and source.form[0].startswith("sheet ") and column.key in kind.needed and {*cells} == {""}:
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in kind.numbers:
             numbers, _ = source.numbers(name, column, places, cells)
@@ -471,7 +471,7 @@ def read_rows(
             if index in unread and are_remarks(cells):
                 said = dict[str, list[str]]()
                 for place, cell in zip(places, cells, strict=True):
-                    said.setdefault(cell[:MAX_QUOTED], []).append(place)
+                    said.setdefault(cell, []).append(place)
                 texts = [f'"{text}" in {listed(those)}' for text, those in said.items() if text]
                 warnings.append(f"{name}, which is not read, says {'; '.join(texts)}")
             elif index in unread and (division := how_divided(name, cells, kind.noun, source.form)):

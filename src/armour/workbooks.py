@@ -20,8 +20,8 @@ MAX_UNPACKED, MAX_PARTS = 100_000_000, 10_000
 MAX_COLUMNS, MAX_CELLS, MAX_CHARACTERS = 1000, 500_000, 5_000_000
 # Greatest number of rows that spreadsheet programs have.
 MAX_ROWS = 1_048_576
-# Greatest number of tags that are read, of their names in a part, how deeply they are nested, and length of one, bytes.
-MAX_TAGS, MAX_NAMES, MAX_DEPTH, MAX_TAG = 5_000_000, 1000, 100, 1_000_000
+# Greatest number of tags of a part, of their names, how deeply they are nested, and length of one, bytes.
+MAX_TAGS, MAX_NAMES, MAX_DEPTH, MAX_TAG = 2_500_000, 1000, 100, 1_000_000
 # Bytes that are parsed at once, and greatest number of pieces, of 8 kB, in which the parser gives one text.
 CHUNK, MAX_PIECES = 1 << 16, 50
 # Formats of dates and times that have a number only, and what does not count in the code of another format.
@@ -35,7 +35,9 @@ Tag = tuple[str, Mapping[str, str], str]
 class Archive(ZipFile):
     """The parts of a workbook, and how many more tags and bytes of them may be read."""
 
-    tags, bytes = MAX_TAGS, MAX_UNPACKED
+    def __init__(self, content: bytes) -> None:
+        super().__init__(BytesIO(content))
+        self.tags, self.bytes = 2 * MAX_TAGS, MAX_UNPACKED
 
 
 class Workbook(NamedTuple):
@@ -54,7 +56,7 @@ def workbook_of(path: Path, content: bytes) -> Workbook:
     """Open the workbook that a file contains; a broken one raises any error."""
     if content.count(b"PK\1\2") > MAX_PARTS:
         raise mistake(path, "", f"must be a workbook of at most {MAX_PARTS:,} parts, found more")
-    archive = Archive(BytesIO(content))
+    archive = Archive(content)
     main = next(part for kind, part in _related(path, archive, "").values() if kind == "officeDocument")
     related = _related(path, archive, main)
     sheets, visible, first_day = dict[str, str](), list[str](), datetime(1899, 12, 30)
@@ -120,7 +122,7 @@ def _tags(path: Path, archive: Archive, part: str) -> Iterator[Tag]:
     tags: list[Tag] = []
     pieces: list[str] = []
     names = dict[str, str]()
-    depth = length = 0
+    depth = count = length = 0
 
     def begin(name: str, attributes: dict[str, str]) -> None:
         nonlocal depth
@@ -146,12 +148,12 @@ def _tags(path: Path, archive: Archive, part: str) -> Iterator[Tag]:
     with archive.open(part) as stream:
         for chunk in iter(partial(stream.read, CHUNK), b""):
             parser.Parse(chunk)
-            length += len(chunk)
+            count, length = count + len(tags), length + len(chunk)
             archive.tags, archive.bytes = archive.tags - len(tags), archive.bytes - len(chunk)
             if archive.bytes < 0:
                 raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
             is_unfinished = length - parser.CurrentByteIndex > MAX_TAG or len(pieces) > MAX_PIECES
-            if archive.tags < 0 or len(names) > MAX_NAMES or depth > MAX_DEPTH or is_unfinished:
+            if count > MAX_TAGS or archive.tags < 0 or len(names) > MAX_NAMES or depth > MAX_DEPTH or is_unfinished:
                 raise mistake(path, "", "must be a workbook with fewer or shorter cells; save the sheet as CSV")
             yield from tags
             tags.clear()
