@@ -481,7 +481,7 @@ def read_rows(
     equal = _equal(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
-    notes = [f"{name} {value}" for name, value in where.items()]
+    notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     names = Counter(row.texts.get(kind.texts[0]) for row in rows)
     if several := [name for name, count in names.items() if name and count > 1]:

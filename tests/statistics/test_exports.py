@@ -255,7 +255,7 @@ def test_remarks_are_quoted_with_their_rows(tmp_path: Path):
 def test_no_requirement_is_decided_over_remarks_that_are_not_read(tmp_path: Path):
     shots = with_column(tmp_path, "Remarks", "||yaw 6 deg||||")
     for decide in (armour.v50, lambda fired, **options: armour.plan_shots(shots=fired, **options)):
-        with pytest.raises(InputError, match='says "yaw 6 deg" in line 4; for a requirement, a column counts leaves'):
+        with pytest.raises(InputError, match='says "yaw 6 deg" in line 4; for a requirement, leave shots out by'):
             decide(shots, requirement_m_s=600.0)
         decide(with_column(tmp_path, "Remarks", "||yaw 6 deg||||", ignore="Remarks"), requirement_m_s=600.0)
 

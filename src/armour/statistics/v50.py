@@ -363,7 +363,7 @@ def refuse_remarks(shots: Shots) -> None:
     """Raise an InputError if a column that is not read has remarks on shots: no requirement is decided over them."""
     refuse(
         Problem(
-            shots.file, "", f"{remark}; for a requirement, a column counts leaves shots out, or --ignore counts all"
+            shots.file, "", f"{remark}; for a requirement, leave shots out by a column counts, or --ignore this one"
         )
         for remark in (shots.read.warnings if shots.read else ())
     )
