@@ -58,8 +58,6 @@ CROSS = "x"
 SAME = 1e-3
 # Least number of numbers that may lie in two groups, and the least distance of these, in ranges of the wider one.
 LEAST_GROUPED, GAP = 6, 2.0
-# Greatest length of a value in a message.
-MAX_QUOTED = 100
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Two words, as in a remark.
 _PHRASE = re.compile(r"[^\W\d_]{2,}\W+[^\W\d_]{2,}")
@@ -118,9 +116,10 @@ class Source:
 
     def check_marks(self, lines: Iterable[Line]) -> None:
         """Record as wrong the lines, of those that count, that are hidden or struck through in a sheet."""
-        for place, _ in lines:
-            if mark := self.marked.get(place):
-                self.wrong(place, f"must not be {mark} if it counts; show it, or leave it out by a column counts")
+        for place in self.marked.keys() & {place for place, _ in lines}:
+            self.wrong(
+                place, f"must not be {self.marked[place]} if it counts; show it, or leave it out by a column counts"
+            )
 
     def divided(self, name: str, message: str, options: Sequence[str], unread: str = "") -> None:
         """Record as wrong that a column divides the rows."""
@@ -528,7 +527,7 @@ def how_divided(name: str, cells: Sequence[str], noun: str, form: Collection[str
 def by_values(name: str, cells: Sequence[str], noun: str, or_each: str = "") -> Division:
     """Return how a column divides the rows by its values; `or_each` is a further way on."""
     counts = Counter(cells).most_common()
-    found = listed([f"{value[:MAX_QUOTED] or 'blank'} ({counted(count, noun)})" for value, count in counts])
+    found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
     options = ("--where", f"{name}={counts[0][0]}")
     ways = f"{shell_line(options)} chooses{or_each}, --ignore {shell_word(name)} counts all"
     return f"divides the {noun}s: {found}; {ways}", options
@@ -578,9 +577,12 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
 def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
     """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
 
-    If all cells are blank, they mean no only in a column that marks the rows to leave out.
+    If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say that a
+    row does not count, a blank cell says that it does.
     """
     words = {cell.casefold() for cell in cells} - {""}
+    if column.key == COUNT_KEYS[0] and {*map(column.says, words)} == {False}:
+        return [cell or ("no" if column.yes is False else "yes") for cell in cells]
     leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
     if column.yes is None or words - {CROSS} or not (words or leaves_out):
         return cells
@@ -785,8 +787,7 @@ def _cell(value: object) -> str:
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
     """Return what is wrong with a row that has more or fewer cells than the header."""
-    ways = "; write decimals with points, texts with commas in quotes, and a name above each column"
-    hint = ways if len(cells) > len(header) else ""
+    hint = "; write decimals with points, texts with commas in quotes, and all headings" * (len(cells) > len(header))
     return f"must have {counted(len(header), 'cell')} as the header has, found {len(cells)}{hint}"
 
 

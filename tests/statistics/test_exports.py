@@ -147,6 +147,7 @@ def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
         ),
         *(("G\u00fcltiger Schuss", "ja", "nein"), ("Coup retenu", "oui", "non"), ("Fair hit (Y/N)", "Y", "N")),
         *(("Rejected", "no", "yes"), ("Excluded", "", "x"), ("ung\u00fcltig", "", "X"), ("valid", "x", "")),
+        *(("counts", "", "no"), ("Fair hit", "", "N"), ("rejected", "", "yes"), ("Status", "", "rejected")),
         *(("Status", "accepted", "rejected"), ("G\u00fcltigkeit", "i.O.", "n. i. O."), ("Valid (0 = yes)", "0", "1")),
     ],
 )
