@@ -41,7 +41,7 @@ from armour.files import (
 )
 from armour.foreign import items, plain
 from armour.units import key_hint
-from armour.workbooks import MAX_UNPACKED, Workbook, rows_of, workbook_of
+from armour.workbooks import MAX_UNPACKED, Workbook, comments_of, rows_of, workbook_of
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_TABLE_ROWS = 100_000
@@ -376,6 +376,8 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[
             raise mistake(path, "", f"must have the sheet {sheet}, found {listed([*workbook.sheets])}")
         name = _only_table(workbook, known) if sheet is None else sheet
         source.form.append(f"sheet {name}")
+        if places := comments_of(workbook, name):
+            source.form.append(f"without the comments of {listed(places)}")
         for number, cells, mark in rows_of(workbook, name):
             source.marked |= {f"row {number}": mark} if mark else {}
             yield f"row {number}", cells
@@ -672,11 +674,8 @@ def places_of(source: Source, columns: Sequence[Column], name: str) -> list[int]
 def named_places(source: Source, columns: Sequence[Column], name: str) -> list[int]:
     """Return the indices of the columns that have a name or, if none has exactly this name, one like it."""
     titles = [*map(source.title, range(len(columns)))]
-    like = [
-        name == column.key or letters(name) == letters(title) for title, column in zip(titles, columns, strict=True)
-    ]
-    alike = [title == name for title in titles]
-    return [place for place, is_meant in enumerate(alike if any(alike) else like) if is_meant]
+    exact = [i for i, title in enumerate(titles) if title == name]
+    return exact or [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
 
 
 def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:

@@ -117,6 +117,18 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
             )
 
 
+def comments_of(book: Workbook, sheet: str) -> list[str]:
+    """Return the cells of a sheet that have a comment, such as "C4"."""
+    folder, name = split(book.sheets[sheet])
+    if join(folder, "_rels", f"{name}.rels") not in book.archive.NameToInfo:
+        return []
+    parts = [
+        part for kind, part in _related(book.path, book.archive, book.sheets[sheet]).values() if kind == "comments"
+    ]
+    tags = (tag for part in parts for tag in _tags(book.path, book.archive, part))
+    return [attributes["ref"] for name, attributes, _ in tags if name == "comment"]
+
+
 def _tags(path: Path, archive: Archive, part: str) -> Iterator[Tag]:
     """Yield the tags of a part of a workbook, their names without the namespace."""
     tags: list[Tag] = []

@@ -514,6 +514,18 @@ def test_rows_of_a_sheet_that_are_not_to_be_read(tmp_path: Path, mark: str):
         armour.read_shots(tmp_path / "t.xlsx")
 
 
+def test_comments_of_cells_are_named(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["velocity_m_s", "result"], [700, "P"], [720, "C"]):
+        book.active.append(row)
+    book.active["B3"].comment = openpyxl.comments.Comment("yaw 6 deg", "Jones")
+    book.active["B3"].hyperlink = "https://example.org"
+    book.save(tmp_path / "t.xlsx")
+    read = known(armour.read_shots(tmp_path / "t.xlsx").read)
+    assert read.words == "sheet Sheet, without the comments of B3, 2 shots"
+
+
 def test_velocities_in_feet_are_named_as_such():
     case = scenario(uncertainty={"model": {"included": False}})
     shots = armour.Shots((2350.0, 2400.0, 2370.0, 2420.0), (False, True, False, True))

@@ -54,11 +54,14 @@ def each_result(
 
 def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots]:
     """Read earlier firings: each table is one, or several if it has shots at several targets."""
-    return [
-        say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
-        for table in tables
-        for chosen in [{name: value} for name, value in firings_of(table, {}, None, ignore, least=2)] or [{}]
-    ]
+    try:
+        return [
+            say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
+            for table in tables
+            for chosen in [{name: value} for name, value in firings_of(table, {}, None, ignore, least=2)] or [{}]
+        ]
+    except InputError as error:
+        raise InputError(error.problems) from None  # --where is of another table
 
 
 def next_plan(
