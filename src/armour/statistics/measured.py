@@ -195,8 +195,25 @@ def read_tests(
     <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
-    source, bounds = _without_bounds(open_tests(path, notes, sheet))
-    table = read_rows(source, TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL), where, ignore=(*ignore,))
+    return read_open_tests(open_tests(path, notes, sheet), scenario, notes, where, (*ignore,))
+
+
+def read_open_tests(
+    source: Source,
+    scenario: Scenario,
+    notes: Sequence[str],
+    where: Mapping[str, str] | None = None,
+    ignore: Sequence[str] = (),
+    *,
+    closed: bool = True,
+) -> Tests:
+    """Return the tests of an open table; arguments and errors are those of `read_tests`.
+
+    If the table is not ``closed``, columns that are not read may divide the tests.
+    """
+    source, bounds = _without_bounds(source)
+    kind = TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL)
+    table = read_rows(source, kind, where, ignore=ignore, closed=closed)
     file, rows = table.file, table.rows
     for row in (row for row in rows if row.place in bounds):
         if {VELOCITY, OUTCOME} & row.texts.keys():
@@ -223,7 +240,7 @@ def read_tests(
     groups = _groups(rows, scenario, source)
     results = [perforates(row.texts.get(OUTCOME, "")) for row in rows]
     are_shots = all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows)
-    for name, values in table.groups.items():
+    for name, values in table.groups.items() if closed else ():
         is_lot = column_of(name, ("lot",)).known
         if len({*values}) > 1 and (is_lot or (are_shots and targets_of(table, name, results))):
             source.divided(name, *by_values(name, values, "test"))
@@ -248,11 +265,6 @@ def _unread(ignored: Sequence[str]) -> Iterator[str]:
 def open_tests(path: Table, notes: Sequence[str] = (), sheet: str | None = None) -> Source:
     """Open a table of tests with further columns, `notes`."""
     return open_table(path, lambda name: column_of(name, (*NUMBERS, *TEXTS, *notes)).known, sheet)
-
-
-def unread(source: Source, notes: Sequence[str] = ()) -> list[str]:
-    """Return the names of the columns of an open table of tests that are not read."""
-    return [name for name in source.header if not column_of(name, (*NUMBERS, *TEXTS, *notes)).known]
 
 
 def _without_bounds(source: Source) -> tuple[Source, dict[str, str]]:

@@ -88,7 +88,7 @@ class Shots:
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
         out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given, and
-        ``warnings`` of columns that probably should be read.
+        ``warnings`` with the remarks in columns that were not read.
     """
 
     velocities_m_s: tuple[float, ...]
