@@ -75,6 +75,15 @@ def test_a_column_that_is_not_read_may_be_chosen_by_or_ignored(cli, folder: Path
         assert " 4 " in cli(*words, "--ignore", "unfair hit").stderr
 
 
+def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
+    (folder / "s.toml").write_text(SUITE + "band = 0.5\n")
+    head, *rows = TESTS.format("b").splitlines()
+    (folder / "t.csv").write_text(
+        "\n".join([f"{head},gun,remark", f"{rows[0]},A,edge hit", f"{rows[1]},A,", f"{rows[2]},B,"])
+    )
+    assert 'remark, which is not read, says "edge hit" in line 2' in cli("validate", "s.toml").stderr
+
+
 def test_a_shot_whose_cell_would_divide_the_table_is_not_added(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,round\n700,P,M2\n730,C,M2\n")
     before = (folder / "t.csv").read_text()
@@ -88,8 +97,8 @@ def test_a_shot_whose_cell_would_divide_the_table_is_not_added(cli, folder: Path
 def test_labels_of_cases_are_kept_as_they_are(cli, folder: Path):
     (folder / "t.csv").write_text("offer,armour.ceramic_thickness_mm,price\nA,6,0420.50\nB,8,=1+1\n")
     sweep = ["sweep", "wilkins", "--cases", "t.csv", "-o", "made.csv", "--quantities", "areal_density_kg_m2"]
-    assert "--keep offer keeps a label" in cli.fails(2, *sweep)[0]
-    cli(*sweep, "--keep", "price", "--keep", "offer")
+    assert "--keep offer keeps it as a label, unused" in cli.fails(2, *sweep)[0]
+    assert "2 rows, offer kept, not used, price" in cli(*sweep, "--keep", "price", "--keep", "offer").stderr
     first, *rows = (folder / "made.csv").read_text().splitlines()
     assert first == "offer,price,armour.ceramic_thickness_mm,areal_density_kg_m2"
     assert [row.split(",")[:3] for row in rows] == [["A", "0420.50", "6.0"], ["B", "'=1+1", "8.0"]]

@@ -147,7 +147,7 @@ class SweepCases:
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        told, plain = source.told(counted(self.count, "row"))
+        told, plain = source.told(counted(self.count, "row"), [f"{name} kept, not used" for name in self.kept])
         self.read = "" if plain else told
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
@@ -180,7 +180,9 @@ def _read(
                     source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
         elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
             text = next(filter(None, cells))
-            message = f'must be a key of numbers, found "{text[:40]}"; --keep {shell_word(key)} keeps a label'
+            message = (
+                f'must be a key of numbers, found "{text[:40]}"; --keep {shell_word(key)} keeps it as a label, unused'
+            )
             source.wrong(f"{source.place}: {key}", message)
         else:
             values, marks[key] = source.numbers(key, column, places, cells, marks.get(key), needed=True)
