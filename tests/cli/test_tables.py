@@ -98,7 +98,7 @@ def test_labels_of_cases_are_kept_as_they_are(cli, folder: Path):
     (folder / "t.csv").write_text("offer,armour.ceramic_thickness_mm,price\nA,6,0420.50\nB,8,=1+1\n")
     sweep = ["sweep", "wilkins", "--cases", "t.csv", "-o", "made.csv", "--quantities", "areal_density_kg_m2"]
     assert "--keep offer keeps it as a label, unused" in cli.fails(2, *sweep)[0]
-    assert "2 rows, offer kept, not used, price" in cli(*sweep, "--keep", "price", "--keep", "offer").stderr
+    assert "2 rows, offer, price kept unused" in cli(*sweep, "--keep", "price", "--keep", "offer").stderr
     first, *rows = (folder / "made.csv").read_text().splitlines()
     assert first == "offer,price,armour.ceramic_thickness_mm,areal_density_kg_m2"
     assert [row.split(",")[:3] for row in rows] == [["A", "0420.50", "6.0"], ["B", "'=1+1", "8.0"]]

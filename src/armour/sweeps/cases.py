@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from armour import csv_files
 from armour.columns import Column, column_of
-from armour.errors import Problem, choices, counted, mistake, refuse, restated
+from armour.errors import Problem, choices, counted, listed, mistake, refuse, restated
 from armour.files import csv_value, shell_word
 from armour.scenario.checked import is_name, is_number, several
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
@@ -147,7 +147,7 @@ class SweepCases:
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        told, plain = source.told(counted(self.count, "row"), [f"{name} kept, not used" for name in self.kept])
+        told, plain = source.told(counted(self.count, "row"), [f"{listed(self.kept)} kept unused"] * bool(self.kept))
         self.read = "" if plain else told
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
