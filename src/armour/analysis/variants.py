@@ -178,6 +178,16 @@ class Variants(_Rows):
         errors = self.errors
         return errors.of_shots.ratio.times(self.limits_by_law(errors, limits))
 
+    def expected_limits(self, limits: Floats) -> Floats:
+        """Return the expected limits of n armours, at which half of all shots are stopped, m/s, (n,).
+
+        They are NaN where the model error is not known; `limits`, m/s, are those of the model.
+        """
+        expected, distributions = np.full(len(limits), np.nan), self.shot_distributions(limits)
+        known = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
+        expected[known] = distributions.mapped(lambda array: array[:, known]).quantile(np.full(len(known), 0.5))
+        return expected
+
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
         """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
 

@@ -30,6 +30,7 @@ PLAIN_LAYOUT, STACKED, NARROW = range(3)
 PROSE_WIDTH = 16
 # Stands for a no-break space, at which rich would break a line: a character that no printable text contains.
 STAND_IN = "\ue000"
+COLOURS = {True: "bold green", False: "bold red", None: "yellow"}
 # Box of rich with a line below the headings alone.
 ROW_RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
@@ -54,7 +55,7 @@ def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: 
             for part in _parts(console, item, room):
                 console.print(part)
         else:
-            style = ("bold green" if item.good else "bold red") if isinstance(item, VerdictLine) else ""
+            style = COLOURS[item.good] if isinstance(item, VerdictLine) else ""
             console.print(_text(console, item, room, style))
     lines = shown.getvalue().replace(STAND_IN, " ").split("\n")
     return "\n".join(line.rstrip(" ") for line in lines)

@@ -80,6 +80,7 @@ REQUIRED_PROBABILITY = number_option(
     "Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.",
     share,
 )
+BY_MODEL = flag("Answer by the model alone, as if no tests were known; no probability may be required.", "--by-model")
 CONFIDENCE = option("Another name of --probability.", metavar="NUMBER", parser=share, hidden=True)
 PLOT = file_option("Draw the result to a .png, .svg or .pdf file.")
 FORCE = flag("Replace existing files.", "--force")

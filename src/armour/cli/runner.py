@@ -131,13 +131,15 @@ def read_scenario(
     asked: Answer,
     settings: Mapping[str, tuple[str, float | None]] = {},
     probability: Any = None,
+    *,
+    by_model: bool = False,
 ) -> "armour.Scenario":
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
     ``assignments`` are those of ``--set``; they must set keys that the answer ``asked`` for reads, or keys below these.
     ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  Errors in a
     value that an option sets name the option.  The scenario requires at least the ``probability`` of stopping each
-    threat, if one is given.
+    threat, if one is given; ``by_model`` excludes the model error, and then none may be required.
     """
     from armour.scenario import effect, scenario
 
@@ -163,7 +165,12 @@ def read_scenario(
         reads = (*reads, VELOCITY)
     effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     with as_options("requiring"):
-        return loaded.requiring(probability)
+        required = loaded.requiring(probability)
+    if not by_model:
+        return required
+    if any(required.required_probabilities()):
+        raise wrong_option("--by-model", "must be given without a required probability, which the model does not have")
+    return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
 
 def say_how_read(table: object, content: Content) -> Content:

@@ -10,10 +10,11 @@ import typer
 import armour
 from armour.analysis.quantities import ANSWERS, QUANTITIES, Answer, reads_of
 from armour.cli import completion, runner
-from armour.cli.console import emit, progress, show, show_json
+from armour.cli.console import emit, progress, say, show, show_json
 from armour.cli.folders import YES, scenario_paths
 from armour.cli.options import (
     AS_JSON,
+    BY_MODEL,
     CHANGES,
     CONFIDENCE,
     FORCE,
@@ -35,6 +36,9 @@ from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import ROUND_AND_ARMOUR, VELOCITY
 from armour.scenario.keys import changes_of, describe
+
+# Longest command that fits on a line of 80 columns after "next: "; name of a file for the best design.
+LONGEST_NEXT, BEST = 74, "best.toml"
 
 
 def simulate(
@@ -135,6 +139,7 @@ def check(
     markdown: Path | None = file_option("Write the verdicts as Markdown, as for the summary of a CI run."),
     probability: Any = REQUIRED_PROBABILITY,
     confidence: Any = CONFIDENCE,
+    by_model: bool = BY_MODEL,
     against: Path | None = file_option(
         "Also list what moved since an earlier check of the same scenarios, whose --json this file has; exit code 3 if "
         "a requirement or threat is weaker or missing, or if [uncertainty], own tests or own materials changed."
@@ -148,9 +153,9 @@ def check(
 ) -> None:
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
-    The verdict is passes, FAILS or not known, and the exit code 3 for the last two. An armour passes if it has all that
-    the scenario requires: margins, probabilities of stopping and limits of [design]; if no probability is required, the
-    ballistic limit by the model must reach the velocity. With several scenarios or a folder, --json prints an array.
+    An armour passes if it has all that is required, a probability among it. The exit code is 0 if it passes, is
+    expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios or a folder, there
+    is a line for each, and --json prints an array.
 
     Examples
     --------
@@ -158,6 +163,7 @@ def check(
     armour check wilkins bare_plate --junit check.xml
     """
     from armour.design.against import moved
+    from armour.design.requirements import GOOD
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import design as views
 
@@ -166,7 +172,7 @@ def check(
     if plot is not None and not is_one:
         raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
     with runner.mistakes_in(junit, paths, force=force):
-        scenarios = _read_each(paths, changes, either(probability, confidence))
+        scenarios = _read_each(paths, changes, either(probability, confidence), by_model=by_model)
     earlier = None if against is None else read_json(against)
     inputs = [*paths, against]
     check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, scenarios=scenarios, plot=plot, force=force)
@@ -176,11 +182,6 @@ def check(
         start = perf_counter()
         with progress("impacts") as count:
             result = armour.check(loaded, on_progress=count).of(every_row=verbose)
-        if not as_json:
-            if results:
-                emit("\n")
-            first, *other_lines = result.heading()
-            show(*other_lines, *views.tables_of_check(result), title=first if is_one else f"{loaded.file}: {first}")
         results.append(result)
         suites.append(views.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
         warnings += warnings_of(loaded, result.notes, verbose=verbose)
@@ -199,9 +200,11 @@ def check(
             data += [{"scenario": missing, "moved": found} for missing, found in by_scenario.items()]
         show_json(data[0] if is_one and len(data) == 1 else data)
     else:
+        by_file = {loaded.file: found for loaded, found in answers}
         if not is_one:
-            emit("\n")
-            show(views.check_summary({loaded.file: found for loaded, found in answers}))
+            show(views.check_summary(by_file), *views.checks_table(by_file))
+        for file, found in by_file.items() if is_one or verbose else ():
+            show(*views.tables_of_check(found), title="" if is_one else f"\n{file}")
         if of_moved:
             emit("\n")
             show(*of_moved)
@@ -212,20 +215,53 @@ def check(
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     write(files, warnings)
-    if any(result.verdict != "passes" for result in results) or any(move.weaker for move in moves):
+    if is_one and not as_json:
+        command, words = views.next_step(results[0])
+        if command:
+            typed = _typed(command, changes, either(probability, confidence), by_model=by_model and command != "report")
+            _propose(command, scenarios[0], typed, words)
+        else:
+            runner.propose(words)
+    if any(result.verdict not in GOOD for result in results) or any(move.weaker for move in moves):
         raise typer.Exit(runner.CHECK_FAILED)
 
 
-def _read_each(paths: Sequence[Path], changes: Sequence[str] | None, probability: Any) -> list["armour.Scenario"]:
+def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], words: str = "") -> None:
+    """Print the command to go on with for a scenario; `typed` are the options given, and `words` stand at its end.
+
+    Where the line would be too long to copy, it says that the options stay.
+    """
+    if scenario.file == runner.STANDARD_INPUT:
+        return
+    source = runner.source_word(scenario.file)
+    line = f"{shell_line(['armour', command, source, *typed])} {words}".rstrip()
+    runner.propose(
+        line if len(line) <= LONGEST_NEXT else f"armour {command} {words} with the same scenario and options"
+    )
+
+
+def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
+    """Return the options given as words of another command, without changes that it does not read."""
+    asked = [] if probability is None else ["--probability", f"{probability:g}"]
+    return [
+        *asked,
+        *["--by-model"] * by_model,
+        *runner.set_options(runner.accepted(changes or (), ANSWERS[command].reads)),
+    ]
+
+
+def _read_each(
+    paths: Sequence[Path], changes: Sequence[str] | None, probability: Any, *, by_model: bool
+) -> list["armour.Scenario"]:
     """Read the scenarios of a check, and raise one error with the mistakes in all of them.
 
-    `changes` are those of ``--set``, and `probability` is the value of ``--probability``.
+    `changes` are those of ``--set``, `probability` and `by_model` the values of these options.
     """
     scenarios: list[armour.Scenario] = []
     problems: list[Problem] = []
     for path in paths:
         try:
-            scenarios.append(read_scenario(path, changes, ANSWERS["check"], probability=probability))
+            scenarios.append(read_scenario(path, changes, ANSWERS["check"], probability=probability, by_model=by_model))
         except InputError as error:
             problems += error.problems
     refuse(dict.fromkeys(problems))
@@ -238,9 +274,11 @@ def optimise(
         "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
     ),
     page: Path | None = file_option("Write an interactive map of all designs, .html.", "--map"),
+    save: Path | None = file_option("Write the scenario with the best design as its armour, .toml."),
     changes: list[str] | None = CHANGES,
     probability: Any = REQUIRED_PROBABILITY,
     confidence: Any = CONFIDENCE,
+    by_model: bool = BY_MODEL,
     plot: Path | None = PLOT,
     force: bool = FORCE,
     verbose: bool = VERBOSE,
@@ -249,20 +287,21 @@ def optimise(
     """Find the lightest armour that stops the threat.
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
-    Where no design is known to pass, the answer is the nearest one, with what it lacks, and the exit code 1.
+    Where no design is known to hold, the answer is the nearest one, with what it lacks, and the exit code 1.
 
     Examples
     --------
-    armour optimise paper/optimum_7.62mm_AP --probability 0.9
+    armour optimise panel --probability 0.95 --save best.toml
     armour optimise catalogue --plot study.svg --csv front.csv
     """
     from armour.design.optimise import effort
     from armour.reporting.views.design import design_csv
 
-    loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability=either(probability, confidence))
-    check_outputs(page, tables=[csv], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
-    if page is not None:
-        refuse(wrong_ending(page, (".html",)))
+    asked = either(probability, confidence)
+    loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability=asked, by_model=by_model)
+    check_outputs(page, save, tables=[csv], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
+    for output, ending in ((page, ".html"), (save, ".toml")):
+        refuse([] if output is None else wrong_ending(output, (ending,)))
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
         designs, seconds = effort(loaded)
@@ -270,10 +309,16 @@ def optimise(
         runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
-    files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page}
+    fails = result.reason == "none passes"
+    saved: Files = {} if fails else {save: lambda path: result.shown.scenario.to_toml(path.parent)}
+    files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page, **saved}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
-    if source != "-":
-        runner.propose(_check_of(loaded, result.shown, source, changes or ()))
+    if save is not None and result.reason:
+        say(
+            f"{save} not written: the nearest design FAILS" if fails else f"{save}: not known whether this design holds"
+        )
+    if not as_json:
+        _propose_after(result, loaded, _typed("optimise", changes, asked, by_model=by_model), save)
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
 
@@ -298,19 +343,22 @@ def _map(
     return design_page.design_page(scenario, command, needed, on_progress, [in_a_line(result), *own_tests])
 
 
-def _check_of(scenario: "armour.Scenario", best: "armour.BestDesign", source: str, changes: Sequence[str]) -> str:
-    """Return the command that checks the best design of a scenario.
+def _propose_after(
+    result: "armour.DesignResult", scenario: "armour.Scenario", typed: Sequence[str], save: Path | None
+) -> None:
+    """Print what to go on with after a search: the check of the design saved, or how to save one that holds."""
+    from armour.design.check import USUAL_PROBABILITY
 
-    `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
-    """
-    values = best.changes_to(scenario)
-    replaced = {*values, "design.confidence", "design.probability_of_stopping"}
-    read = runner.accepted(changes, ANSWERS["check"].reads)
-    kept = [change for change in read if change.partition("=")[0].strip() not in replaced]
-    kept += [f"{key}={str(value).removesuffix('.0')}" for key, value in values.items()]
-    required = scenario.design and scenario.design.required_probability
-    confidence = ["--probability", f"{required:g}"] if required else []
-    return shell_line(["armour", "check", source, *confidence, *runner.set_options(kept)])
+    verdict, name = result.shown.check.verdict, runner.source_word(save or BEST)
+    if result.reason == "none passes":
+        runner.propose("offer thicker layers or other materials, or ask for less")
+    elif verdict == "expected to stop" and save is None:
+        _propose("optimise", scenario, typed, f"--probability {USUAL_PROBABILITY:g} --save {BEST}")
+    elif verdict in ("not known", "stopped by the model"):
+        runner.propose(f"a V50 of {name} decides: armour calibrate" + f" (--save {name})" * (save is None))
+    else:
+        checked = shell_line(["armour", "check", name])
+        runner.propose(checked if save else f"add --save {name}, then {checked}")
 
 
 def sensitivity(
@@ -434,6 +482,7 @@ def report(
     as_is: bool = flag("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is"),
     probability: Any = REQUIRED_PROBABILITY,
     confidence: Any = CONFIDENCE,
+    by_model: bool = BY_MODEL,
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -443,7 +492,7 @@ def report(
 
     Examples
     --------
-    armour report paper/optimum_7.62mm_AP -o report.html
+    armour report panel --probability 0.95 -o report.html
     armour report paper -o suite.html
     """
     from armour.reporting import formats, scenario_report
@@ -464,13 +513,14 @@ def report(
     runner.check_options(
         ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
         ("--probability", is_suite and required, "must be given with a scenario, found a suite"),
+        ("--by-model", is_suite and by_model, "must be given with a scenario, found a suite"),
     )
     if is_suite:
         suite = armour.load_suite(source, changes_of(changes))
         inputs = suite_files(suite)
     else:
         asked = ANSWERS["report --as-is" if as_is else "report"]
-        scenario = read_scenario(source, changes, asked, probability=probability)
+        scenario = read_scenario(source, changes, asked, probability=probability, by_model=by_model)
         inputs = [source, *files_of(scenario)]
     check_outputs(output, inputs=inputs, force=force)
     refuse(wrong_ending(output, formats.REPORT_ENDINGS))

@@ -17,10 +17,10 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
 from armour.analysis.variants import row_of
-from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
+from armour.design.requirements import Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armours_of, outside_tests, threat_warnings
+from armour.evidence.tests import armours_of, far_from_tests, outside_tests, threat_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
@@ -28,6 +28,8 @@ from armour.scenario.schema import OBJECTIVES, DesignSection, RequiredProbabilit
 
 # Changes with which every armour is checked: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
+# Probability of the safe speed where none is required.
+USUAL_PROBABILITY = 0.95
 
 
 @dataclass(frozen=True)
@@ -37,10 +39,13 @@ class WhatIf:
     Attributes
     ----------
     change : str
-        In words, such as "ceramic 1 mm thinner".
+        In words, such as "tile 1 mm thinner".
     velocity_m_s : float
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
+    expected_limit_m_s : float or None
+        Velocity at which the armour stops a shot with a probability of 50 %, given the tests, m/s; None if no tests
+        tell.
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     probability_of_stopping : float or None
@@ -50,6 +55,7 @@ class WhatIf:
     change: str
     velocity_m_s: float
     ballistic_limit_m_s: float | None
+    expected_limit_m_s: float | None
     interval_m_s: tuple[float, float] | None
     probability_of_stopping: float | None
 
@@ -66,10 +72,17 @@ class CheckedThreat:
     velocity_m_s, obliquity_deg : float
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
+    expected_limit_m_s : float or None
+        Velocity at which the armour stops a shot with a probability of 50 %, given the tests, m/s; None if no tests
+        tell.
+    safe_speed_m_s : float or None
+        Velocity up to which a shot is stopped with the required probability, or 0.95 if none is required, m/s; None if
+        no such probability is known or stated.
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     margin_m_s, required_margin_m_s : float
-        Excess of the ballistic limit over the velocity, m/s, None without a limit; and the required excess.
+        Excess of the expected limit or, where no tests tell, of the limit by the model over the velocity, m/s, None
+        without a limit; and the required excess.
     probability_of_stopping, required_probability : float or None
         Probability that the armour stops a shot, None if unknown; and the required one, None if there is none.
     reason : str
@@ -80,8 +93,8 @@ class CheckedThreat:
         Flow stress with which a ceramic without tests stops the threat; None for other armours.
     model_error : ModelError or None
         Model error from which the probability is computed; None if it is not known.
-    verdict : {"passes", "fails", "not known"}
-        Whether all that is required against the threat is met.
+    verdict : str
+        One of `VERDICTS` of `armour.design.requirements`.
     what_ifs : tuple of WhatIf
         The armour with each change, for exact inputs.
     requirements : tuple of Requirement
@@ -91,6 +104,8 @@ class CheckedThreat:
         required.
     outside_tests : dict of str to float
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
+    far_from_tests : tuple of str
+        In what the armour or the threat is far from the tests, such as "5083-H3 (on 6061-T6)".
     name : str
         Name of the threat without its numbers, as it stays if only these change.
     probability_v50_exceeds_velocity : float or None
@@ -103,6 +118,8 @@ class CheckedThreat:
     velocity_m_s: float
     obliquity_deg: float
     ballistic_limit_m_s: float | None
+    expected_limit_m_s: float | None
+    safe_speed_m_s: float | None
     interval_m_s: tuple[float, float] | None
     margin_m_s: float | None
     required_margin_m_s: float
@@ -117,6 +134,7 @@ class CheckedThreat:
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
+    far_from_tests: tuple[str, ...] = ()
     name: str = ""
     probability_v50_exceeds_velocity: float | None = None
 
@@ -127,7 +145,7 @@ class CheckedThreat:
             probability = None
             if error is not None and limit is not None:
                 probability = float(error.probability_of_stopping(limit, self.velocity_m_s))
-        return WhatIf("as given", self.velocity_m_s, limit, self.interval_m_s, probability)
+        return WhatIf("as given", self.velocity_m_s, limit, self.expected_limit_m_s, self.interval_m_s, probability)
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,8 +155,9 @@ class CheckResult(TableResult):
     Attributes
     ----------
     threats : tuple of CheckedThreat
-    verdict : {"passes", "fails", "not known"}
-        Whether all that is required is met.
+    verdict : str
+        The worst of the verdicts against the threats and on the limits of the section ``design``: "fails", "perforated
+        by the model", "not known", "stopped by the model", "expected to stop" or, the best, "passes".
     notes : tuple of Note
         Ways in which armour and threats are unlike what the model was compared with.
     requirements : tuple of Requirement
@@ -283,28 +302,30 @@ def _checked(
     reached = row.limits_anywhere() if limit is None else np.array([limit])
     if reached >= threat.required_m_s:
         reached = row.lowest_limits(reached)
-    requirements = tuple(
-        against_threat(
-            against,
-            threat,
-            against.core_armour(),
-            row.materials[0].ceramic,
-            float(reached[0]),
-            probability,
-            sampled,
-            stops=not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
-            greatest=greatest,
-        )
+    standing = Standing(
+        float(reached[0]),
+        None if error is None else float(row.expected_limits(reached)[0]),
+        not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
+        probability,
+        greatest,
+        sampled,
     )
+    verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
             changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
-        interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
+        interval = expected = None
+        if changed_limit is not None and changed_error is not None:
+            interval, expected = changed_error.interval(changed_limit), changed_error.median(changed_limit)
         chance = probability_of_stopping(changed, changed_limit, changed_error)
-        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))
-    required, flow_stress = None if bound is None else 1.0 - bound, None
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, expected, interval, chance))
+    required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
+    if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
+        safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
+    expected_limit = result.expected_limit_m_s
+    shown = limit if expected_limit is None else expected_limit
     if needed and probability is None:
         flow_stress = needed_flow_stress(against, threat.required_m_s, required)
     return CheckedThreat(
@@ -313,8 +334,10 @@ def _checked(
         velocity_m_s=threat.velocity_m_s,
         obliquity_deg=threat.obliquity_deg,
         ballistic_limit_m_s=limit,
+        expected_limit_m_s=expected_limit,
+        safe_speed_m_s=safe_speed,
         interval_m_s=result.interval_m_s,
-        margin_m_s=None if limit is None else limit - threat.velocity_m_s,
+        margin_m_s=None if shown is None else shown - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
         probability_of_stopping=None if probability is None else min(probability, greatest),
         required_probability=required,
@@ -322,11 +345,12 @@ def _checked(
         probability_at_normal_incidence=result.probability_at_normal_incidence,
         flow_stress=flow_stress,
         model_error=error,
-        verdict=verdict_of(row.verdict for row in requirements),
+        verdict=verdict,
         what_ifs=tuple(what_ifs),
         requirements=requirements,
         sampled=sampled and sampled.at_least(1.0 - greatest),
         outside_tests=outside_tests(row.armours, row.velocities)[0],
+        far_from_tests=far_from_tests(against, row.armours),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )
@@ -334,7 +358,7 @@ def _checked(
 
 def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
     """Yield each change of armour or impact to check: its words, and the new value by key."""
-    for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
+    for key, words in ((CERAMIC, "tile"), (BACKING, "plate")):
         thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:
             yield f"{words} {tolerance_mm:g} mm thinner", {key: thickness - tolerance_mm}

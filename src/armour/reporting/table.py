@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from itertools import compress, starmap
-from math import isfinite
+from math import ceil, floor, isfinite
 from operator import attrgetter
 from textwrap import wrap
 from typing import Any, Self
@@ -22,11 +22,11 @@ Cell = float | int | str | None
 
 
 class VerdictLine(str):
-    """A line that says how an answer ends; a terminal shows it in green if that is good, else in red."""
+    """A line that says how an answer ends: green on a terminal if that is good, red if not, yellow if not known."""
 
-    good: bool
+    good: bool | None
 
-    def __new__(cls, text: str, *, good: bool) -> Self:
+    def __new__(cls, text: str, *, good: bool | None) -> Self:
         """Make the line; `good` chooses its colour."""
         line = super().__new__(cls, text)
         line.good = good
@@ -71,6 +71,21 @@ def number(value: float | str, spec: str) -> str:
         return format(0, spec)  # without the sign of a number that rounds to zero
     sign = spec[:1] if spec.startswith("+") else ""
     return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
+
+
+def beside(value: float, bound: float, decimals: int, *, at_most: bool = False) -> str:
+    """Format a number that stands beside a bound, the least allowed or, if `at_most`, the greatest.
+
+    It is rounded half up, but to the unsafe side where it would otherwise seem to keep the bound; a bound with more
+    decimals gives more.
+    """
+    if isfinite(bound):
+        decimals = max(decimals, len(f"{bound:.10g}".partition(".")[2]))
+    scale, side = 10.0**decimals, -1.0 if at_most else 1.0
+    rounded = floor(value * scale + 0.5 + 1e-6) / scale
+    if side * value < side * bound <= side * rounded:
+        rounded = (ceil if at_most else floor)(value * scale) / scale
+    return number(rounded, f".{decimals}f")
 
 
 def with_interval(value: float, ends: tuple[float | None, float | None] | None, spec: str) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import cache
-from math import ceil, floor
+from math import ceil, floor, inf
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
 from armour.analysis.estimates import Estimate
@@ -11,7 +11,7 @@ from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, interval, number, percent, with_interval
+from armour.reporting.table import Column, Source, beside, interval, number, percent, with_interval
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
@@ -27,30 +27,25 @@ WHOLE: Source = (
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
-# What is said of a probability that is bounded by the distance from the tests.
-FAR = "far from the tests"
-
-
 def estimated(estimate: Estimate | None, spec: str) -> str:
     """Format an estimate with its interval; None gives an empty text."""
     return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
 
 
-def chance(probability: float | None, error: ModelError | None = None) -> str:
+def chance(probability: float | None, error: ModelError | None = None, required: float | None = None) -> str:
     """Format a probability of stopping, such as "73 %"; it is rounded down, so as never to overstate it.
 
-    It reads "at least" if `error` says that the ballistic limit may be higher, and "far from the tests" if it is the
-    greatest that is stated there.
+    It is as exact as the one `required`, and reads "at least" if `error` says that the limit may be higher.
     """
     if probability is None:
-        return "unknown"
-    if error is not None and error.greatest_probability < 1.0 and probability >= error.greatest_probability:
-        return f"{chance(probability)}, {FAR}"
+        return "not known"
+    decimals = 0 if required is None else len(f"{100.0 * required:.8g}".partition(".")[2])
+    percents = f"{rounded_down(100.0 * probability, decimals):.{decimals}f} %"
     if error is not None and error.at_least and probability <= 0.99:
-        return f"at least {rounded_down(100.0 * probability):.0f} %"
+        return f"at least {percents}"
     if probability < 0.01:
         return "below 1 %"
-    return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
+    return "above 99 %" if probability > 0.99 and not decimals else percents
 
 
 def risk(probability: float) -> str:
@@ -71,40 +66,25 @@ def sampled_percents(stopping: float, ends: tuple[float, float]) -> tuple[float,
     return value, low, 100.0 - above
 
 
-def requirement_parts(row: Requirement) -> tuple[str, str, str]:
-    """Return a requirement in words: the quantity, the amount required, and what the armour has."""
-    least, found = f"at least {row.required:g}", "unknown" if row.found is None else f"{row.found:.4g}"
-    if row.quantity == "margin_m_s":
-        return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
-    if row.quantity == "probability_of_stopping":
-        found = chance(row.found)
-        if row.found is not None and row.interval is not None:
-            value, low, high = sampled_percents(row.found, row.interval)
-            found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
-        elif row.found is not None and round(100.0 * row.required, 9) % 1.0:  # as exact as what is required
-            found = f"{rounded_down(100.0 * row.found, 1):.1f} %"
-        if row.verdict == "not known" and row.found is not None and (row.interval or (0.0, 0.0))[1] < row.required:
-            found += f" ({FAR})"
-        return STOPPING.label, f"at least {percent(row.required)}", found
-    if row.quantity == "flow_stress_sources":
-        return "sources of the flow stress", least, found
-    if row.quantity == "backing_density_kg_m3":
-        return "density of the back plate", f"{least} kg/m³", f"{rounded_down(row.found or 0.0):g} kg/m³"
-    if row.quantity == "interlayers":
-        return "layers between tile and back plate", "none", found
-    unit = OBJECTIVES[row.quantity].unit
-    label = Column.of(row.quantity).label.removesuffix(unit)
-    return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
-
-
 def requirement_words(row: Requirement) -> str:
     """Return what an armour has and what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
     if row.quantity == "backing_density_kg_m3":
         return no_metal(row.found or 0.0)
     if row.quantity == "interlayers":
         return INTERLAYER
-    name, asked, found = requirement_parts(row)
-    return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
+    if row.quantity == "flow_stress_sources":
+        sources = counted(int(row.found or 0), "source")
+        return f"{sources} of the flow stress of its ceramic, at least {row.required:g} required"
+    unit = OBJECTIVES[row.quantity].unit
+    label = Column.of(row.quantity).label.removesuffix(unit)
+    found = "not known" if row.found is None else amount(row.quantity, row.found, row.required) + unit
+    return f"{label} {found}, at most {row.required:g}{unit} allowed"
+
+
+def amount(quantity: str, value: float, most: float = inf) -> str:
+    """Format the areal density, thickness or cost of an armour, beside the most that is allowed."""
+    text = beside(value, most, 0 if quantity == "cost_per_m2" else 1, at_most=True)
+    return text.removesuffix(".0") if quantity == "thickness_mm" else text
 
 
 def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
@@ -211,14 +191,6 @@ def least_flow_stress() -> float:
     """Return the least flow stress that any source gives for any ceramic of the shipped library, GPa."""
     ceramics = shipped_library().entries["ceramic"].values()
     return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
-
-
-def needed_words(needed: NeededFlowStress | None) -> str | None:
-    """Return the flow stress that a ceramic without tests needs, GPa, as the text of a cell; None gives None."""
-    if needed is None or needed.needed_GPa is None:
-        return None if needed is None else "above 100"
-    # A number would add nothing: every ceramic of the library has more.
-    return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
 
 
 def rounded_up(number: float) -> str:

@@ -484,6 +484,11 @@ class Scenario(Section):
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
 
+    def required_probabilities(self) -> tuple[float | None, ...]:
+        """Return the probability of stopping each threat that is required; None where none is."""
+        bounds = ((self.design or schema.DesignSection()).bound(threat) for threat in self.threats())
+        return tuple(None if bound is None else 1.0 - bound for bound in bounds)
+
     def threats(self) -> tuple[schema.Threat, ...]:
         """Return the threats; without any, the impact."""
         return tuple(self.threat) or (schema.Threat.model_construct(**self.impact.model_dump()),)

@@ -33,6 +33,7 @@ from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSec
 from tests.analysis.results import impact as impact_result
 from tests.design.results import OTHER, THREAT, best_of, design_result
 from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.known import known
 from tests.helpers.suites import TABLE, WILKINS_LIMIT, case, result
 from tests.statistics.results import uncertainty_result
 
@@ -46,7 +47,9 @@ def picture_of(result: Any, drawing: Callable[[Any, Sheet], Picture] = draw) -> 
 
 def front_of(result: DesignResult) -> tuple[Axes, str]:
     """The panel of a Pareto front, and its note."""
-    [axes], panel = Sheet().panels("", 3.0).axes, design._front_panel(result)
+    layers = {"ceramic": ("AD85", "AD99.5"), "backing": ("6061-T6",)}
+    offered = {role: [{"material": name, "thickness_mm": [7.0]} for name in names] for role, names in layers.items()}
+    [axes], panel = Sheet().panels("", 3.0).axes, design._front_panel(result.of(scenario=scenario(design=offered)))
     panel.draw(axes)
     return axes, panel.note
 
@@ -178,9 +181,9 @@ def test_a_map_has_the_line_of_what_is_required_and_the_best_design():
     [line] = [each for each in lines if list(each.levels) == [0.0]]
     assert to_hex(np.asarray(line.get_edgecolor())[0]) == BLUE
     thicknesses = best_of(found).backing_thickness_mm, best_of(found).ceramic_thickness_mm
-    assert labels(axes)[0] == "stopped in 90 % of cases or more"
+    assert labels(axes)[0] == "stops a shot with 90 % or more"
     assert labels(axes)[-2] == "equal areal density, kg/m²"
-    assert labels(axes)[-1].startswith(f"best: {thicknesses[1]:g} on {thicknesses[0]:g} mm, areal density ")
+    assert labels(axes)[-1].startswith(f"lightest: {thicknesses[1]:g} on {thicknesses[0]:g} mm, areal density ")
     [best] = [line for line in axes.lines if isinstance(line, Points)]
     assert (x_of(best)[0], y_of(best)[0]) == thicknesses
 
@@ -189,46 +192,55 @@ def test_the_line_is_where_the_probability_is_the_required_one():
     """The lightest design lies on the side of the line on which it is stopped, its thinner neighbours on the other."""
     found = designs(0.9)
     _, [pair_map] = design._maps(found)
-    values, _ = pair_map.required()
+    values, _, _ = pair_map.required()
     for each, stops in ((best_of(found), True), (replace(best_of(found), ceramic_thickness_mm=2.0), False)):
         by_row = [np.interp(each.backing_thickness_mm, pair_map.grid.backing_mm, row) for row in values]
         assert (np.interp(each.ceramic_thickness_mm, pair_map.grid.ceramic_mm, by_row) > -1.0) == stops
 
 
-def test_without_a_confidence_the_line_is_that_of_the_limit():
+def test_without_a_required_probability_the_line_is_that_of_the_limit():
     found = designs()
     _, [pair_map] = design._maps(found)
-    values, words = pair_map.required()
-    assert words == "ballistic limit by the model ≥ velocity"
+    values, is_stated, words = pair_map.required()
+    assert words == "stops a shot with 50 % or more"
+    np.testing.assert_array_equal(is_stated, ~np.isnan(pair_map.grid.by_tests_m_s[..., 0, 0]))
+    np.testing.assert_array_equal(values, pair_map.shown_m_s[..., 0] - 800.0)
+    by_model = found.question["scenario"].replaced({"uncertainty.model": {"included": False}})
+    _, [pair_map] = design._maps(optimise(by_model))
+    values, is_stated, words = pair_map.required()
+    assert (words, is_stated.all()) == ("stopped by the model", True)
     np.testing.assert_array_equal(values, pair_map.grid.limits_m_s[..., 0] - 800.0)
 
 
 def test_the_line_of_several_requirements_is_where_all_are_met():
-    _, [pair_map] = design._maps(optimise(shipped_scenario("catalogue").replaced({"design.confidence": 0.9})))
-    values, words = pair_map.required()
-    assert words == "meets the requirements"
-    margins, known = pair_map.catalogue.margins_m_s, ~np.isnan(values)
-    by_model = (pair_map.grid.limits_m_s - margins)[..., margins > 0.0] - pair_map.catalogue.velocities_m_s[
-        margins > 0.0
-    ]
-    surely = pair_map.grid.stopped_with(0.9) - pair_map.catalogue.velocities_m_s
-    np.testing.assert_array_equal(values[known], np.concatenate([by_model, surely], axis=-1).min(axis=-1)[known])
+    """Where no probability as great is stated, it is not known whether a design holds."""
+    required = {"design.probability_of_stopping": 0.9}
+    _, [pair_map] = design._maps(optimise(shipped_scenario("catalogue").replaced(required)))
+    values, is_stated, words = pair_map.required()
+    assert words == "does what is required"
+    grid, catalogue = pair_map.grid, pair_map.catalogue
+    by_limit = np.where(catalogue.margins_m_s > 0.0, pair_map.shown_m_s - catalogue.margins_m_s, np.inf)
+    surely = grid.by_tests_m_s[..., grid.probabilities.index(0.9)]
+    np.testing.assert_array_equal(values, (np.minimum(surely, by_limit) - catalogue.velocities_m_s).min(axis=-1))
+    np.testing.assert_array_equal(is_stated, (grid.greatest >= 0.9).all(axis=-1))
 
 
 def test_designs_of_bare_plates_are_drawn_over_their_thickness():
     [axes] = picture_of(designs(0.9, None)).axes
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "ballistic limit, m/s")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("back plate thickness, mm", "expected limit, m/s")
     assert [item for item in axes.collections if isinstance(item, PolyCollection)]
     [best] = [line for line in axes.lines if isinstance(line, Points)]
     assert x_of(best)[0] == best_of(designs(0.9, None)).backing_thickness_mm
-    assert y_of(best)[0] == pytest.approx(best_of(designs(0.9, None)).ballistic_limit_m_s, abs=0.5)
+    assert y_of(best)[0] == pytest.approx(
+        known(best_of(designs(0.9, None)).check.threats[0].expected_limit_m_s), abs=0.5
+    )
 
 
 def test_designs_of_which_no_probability_is_known_have_no_line_of_one():
     case = scenario(ceramic="SiC", optimise=OFFERED, design={"confidence": 0.9})
     picture = picture_of(optimise(case))
-    assert picture.note == "No probability is known for these designs."
-    assert labels(*picture.axes)[0] == "equal areal density, kg/m²"
+    assert picture.note.startswith("No probability is known for these designs. ")
+    assert labels(*picture.axes)[:2] == ["not known", "equal areal density, kg/m²"]
 
 
 def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front():
@@ -247,7 +259,7 @@ def test_beside_the_map_are_the_best_of_every_pair_up_to_a_limit_and_the_front()
 def test_designs_of_a_front_are_not_joined():
     axes = front_of(design_result(threats=(THREAT, OTHER), pareto=True))[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("areal density, kg/m²", "cost per m²")
-    assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6", "best"]
+    assert labels(axes) == ["AD85 on 6061-T6", "AD99.5 on 6061-T6 (far from the tests)", "lightest"]
     assert not curves(axes)
 
 
@@ -505,7 +517,7 @@ def test_a_front_over_three_criteria_says_what_is_not_drawn():
     criteria = ("areal_density_kg_m2", "cost_per_m2", "margin_m_s")
     front = tuple(replace(each, margin_m_s=5.0) for each in design_result(pareto=True).pareto)
     found = replace(design_result(pareto=True), criteria=criteria, pareto=front)
-    note = "Designs that others beat in both criteria drawn are better in margin by the model."
+    note = "Designs that others beat in both criteria drawn are better in least margin."
     assert note in front_of(found)[1]
 
 
@@ -547,16 +559,15 @@ def test_without_a_model_error_the_prior_is_no_models():
     assert {"prior", "requirement 730.0 m/s"} <= set(shown)
 
 
-def test_the_titles_of_pictures_say_what_the_model_cannot_do():
+def test_pictures_say_what_the_model_cannot_do():
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
     tiles = {"ceramic": [{"material": "SiC", "thickness_mm": [3.0]}]}
     metals = [{"material": name, "thickness_mm": [40.0, 45.0]} for name in ("6061-T6", "7075-T6")]
     of_metals = picture_of(optimise(thin.replaced({"design": {**tiles, "backing": metals}})))
     found = simulate(thin, history=True), ballistic_limit(thin), check(thin)
     for picture in (*map(picture_of, found), of_metals):
-        assert "o ceramic thinner than 0.89 penetrator diameters" in picture.title
-    # No interval is known.
-    assert "ballistic limit" in marks(picture_of(check(thin)).axes[0])
+        assert "o ceramic thinner than 0.89 penetrator diameters" in picture.title + picture.note
+    assert "limit by the model" in marks(picture_of(check(thin)).axes[0])
     library = {"metal": {"X": {"density_kg_m3": 980.0, "static_yield_strength_MPa": 900.0}}}
     laminate = simulate(scenario("7.62 mm AP", "AD85", "X", 8.0, 15.0, library=library), history=True)
     assert picture_of(laminate).title.startswith("Not known: stopped by the model, but a back plate of 980 kg/m³")

@@ -153,7 +153,7 @@ def test_no_probability_is_shown_that_is_not_reached(confidence: float):
         assert float(shown.removesuffix(" %")) <= 100.0 * probability
         assert "above" in shown or float(risk(probability).split()[-2]) + float(shown.removesuffix(" %")) == 100.0
     assert chance(0.29) == "29 %"
-    assert [chance(p) for p in (0.004, 0.999, None)] == ["below 1 %", "above 99 %", "unknown"]
+    assert [chance(p) for p in (0.004, 0.999, None)] == ["below 1 %", "above 99 %", "not known"]
     assert [risk(p) for p in (0.004, 0.6139, 0.999)] == ["above 99 %", "39 %", "below 1 %"]
 
 

@@ -129,7 +129,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     below, above = result.bracket_m_s
     scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
     width = f"bracket width {above - below:.1g} m/s"
-    limits = phrases.BALLISTIC_LIMIT, phrases.with_error(result.median_m_s, result.interval_m_s)
+    limits = phrases.BALLISTIC_LIMIT, phrases.with_error(result.expected_limit_m_s, result.interval_m_s)
     table = Table.of_one(result, *limits, Column.of("areal_density_kg_m2"), phrases.WHOLE)
     parts = [*caveat_lines(result), table, phrases.error_note(result.model_error, result.question.get("scenario"))]
     if result.monotonic:
@@ -140,6 +140,9 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 @tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
     """Return the probability of stopping with the ballistic limit, and what it rests on."""
-    limit, probability = phrases.with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
+    limit, probability = (
+        phrases.with_error(result.expected_limit_m_s, result.interval_m_s),
+        result.probability_of_stopping,
+    )
     stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
     return [Table.of_one(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]
