@@ -52,7 +52,7 @@ def test_no_answer_passes_an_armour_on_what_is_no_metal():
     assert impact.outcome == "stopped"
     assert checked.verdict == "not known"
     assert in_a_line(checked) == f"not known: {NO_METAL}"
-    assert tables_of_impact(impact)[0] == f"not known: stopped by the model, but {NO_METAL}"
+    assert tables_of_impact(impact)[0] == f"not known: {NO_METAL}"
     assert tables_of_limit(armour.ballistic_limit(laminate))[0] == f"not known: {NO_METAL}"
     assert f'message="not known: {NO_METAL}"' in _xml(checked, laminate)
     report = scenario_report(laminate, "")
@@ -160,7 +160,7 @@ def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
     required = armour.check(rod.replaced({"design": {"confidence": 0.9}}))
     assert required.verdict == ("not known" if is_too_low else "fails")
     assert texts_of(checked)[-1].endswith("the limit is too low") is is_too_low
-    assert str(tables_of_impact(impact)[0]).startswith("not known: perforated by the model, but") is is_too_low
+    assert in_a_line(impact).startswith("not known: a long rod") is is_too_low
     layers: dict[str, Any] = {"backing": [{"material": plate, "thickness_mm": [8.0, 10.0]}]}
     layers |= {"ceramic": [{"material": ceramic, "thickness_mm": hc}]} if ceramic else {}
     found = armour.optimise(rod.replaced({"design": layers}))
@@ -221,8 +221,8 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
     impact, checked = armour.simulate(thin), armour.check(thin)
     assert words in texts_of(checked)
-    assert tables_of_impact(impact)[0] == f"stopped; {words}"
-    assert tables_of_limit(armour.ballistic_limit(thin))[0] == words
+    assert words in tables_of_impact(impact)
+    assert words in tables_of_limit(armour.ballistic_limit(thin))
     assert any(words in warning for warning in scenario_report(thin, "").warnings)
     assert not any("0.61" in warning for warning in (*impact.warnings, *checked.warnings))
     # 9 mm is thicker than tested against one round and too thin for the other.
@@ -278,7 +278,8 @@ def test_answers_say_where_tests_contradict_the_model(
     texts = said(checked)
     assert [words for text in texts for words in (SHORT, DENSE, STEEL, LOTS) if text.startswith(words)] == expected
     assert [text in texts_of(checked) for text in texts] == [True] * len(texts)
-    assert (said(armour.simulate(case)), tables_of_limit(armour.ballistic_limit(case))[: len(texts)]) == (texts, texts)
+    assert said(armour.simulate(case)) == texts
+    assert {*texts} <= {item for item in tables_of_limit(armour.ballistic_limit(case)) if isinstance(item, str)}
     [output] = check_junit(checked, case, 0.0, {}).iter("system-out")
     assert (output.text or "").splitlines()[1:] == texts
 

@@ -313,7 +313,7 @@ def test_angles_without_a_test_are_those_of_their_threats():
         {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": angle} for angle in (0.0, 30.0, 45.0)
     ]
     [warning] = [note for note in check(scenario(threat=angles)).notes if "at an angle" in note.text]
-    assert warning.brief.startswith("30 to 45° (no test of an armour with a ceramic at an angle) against ")
+    assert warning.said == "far"
 
 
 def test_what_is_far_from_the_tests_is_told_with_what_was_tested():

@@ -172,10 +172,10 @@ def test_points_are_where_they_are_drawn():
 
 def test_rows_and_stages_have_their_words():
     found = words(impact_svg())
-    assert any(text.startswith("stage i: intact ceramic; penetrator erodes\n") for text in found)
+    assert any(text.startswith("stage i: tile intact, penetrator erodes\n") for text in found)
     sensitivity = SensitivityResult({"ballistic_limit_m_s": 700.0}, (Elasticity(CERAMIC, 6.0, LIMIT),))
     picture = drawn(drawing_of(sensitivity), Sheet(WIDTH_INCHES), title="")
-    assert words(inline_svg(picture, "T", "c")) == ["ceramic thickness\nchange, %: -0.4"]
+    assert words(inline_svg(picture, "T", "c")) == ["tile thickness\nchange, %: -0.4"]
 
 
 def test_colours_follow_the_theme():

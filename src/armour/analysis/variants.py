@@ -183,10 +183,7 @@ class Variants(_Rows):
 
         They are NaN where the model error is not known; `limits`, m/s, are those of the model.
         """
-        expected, distributions = np.full(len(limits), np.nan), self.shot_distributions(limits)
-        known = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
-        expected[known] = distributions.mapped(lambda array: array[:, known]).quantile(np.full(len(known), 0.5))
-        return expected
+        return self.shot_distributions(limits).medians()
 
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
         """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
@@ -211,10 +208,14 @@ class Variants(_Rows):
         section.  A row whose own limit is NaN has NaN for all laws.
         """
         limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
-        for law in range(1, len(limits)):
-            rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
-            if len(rows):
-                limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
+        has_law = (errors.ratio.weights > 0.0) & ~np.isnan(own_limits)
+        laws = [(law, rows) for law in range(1, len(limits)) if len(rows := np.flatnonzero(has_law[law]))]
+        if len(own_limits) == 1 and laws:  # few, computed at once
+            several = concatenated([self.by_law(law, errors) for law, _ in laws])
+            limits[[law for law, _ in laws], 0] = several.limits_anywhere()
+            return limits
+        for law, rows in laws:
+            limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
         return limits
 
     def changes_above(self, limits: Floats) -> Bools:

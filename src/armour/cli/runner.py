@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import armour
 from armour.analysis.quantities import Answer
 from armour.cli.console import emit, say, show, show_json
-from armour.errors import ArmourError, InputError, Note, Problem, in_two_lines, mistake, refuse, restated
+from armour.errors import ArmourError, InputError, Note, Problem, in_one_line, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
 from armour.reporting.junit import TestCase, is_junit_of_armour, junit_suite, junit_xml
 from armour.reporting.table import Table
@@ -229,7 +229,7 @@ def answer(
     result.of(every_row=verbose)
     tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
-    show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
+    show_answer(data, tables, as_json=as_json, scenario=scenario)
     shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
@@ -239,14 +239,13 @@ def show_answer(
     tables: Iterable[Table | str],
     *,
     as_json: bool,
-    heading: Sequence[str] = (),
     scenario: "armour.Scenario | None" = None,
 ) -> None:
-    """Show an answer as tables below a heading or, as JSON, with the command and versions that made it."""
+    """Show an answer as tables or, as JSON, with the command and versions that made it."""
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
-        show(*heading[1:], *shown, title=heading[0] if heading else "")
+        show(*shown)
 
 
 def write(files: Files, warnings: Iterable[str] = ()) -> None:
@@ -322,13 +321,13 @@ def warnings_of(
 ) -> list[str]:
     """Return the notes on a scenario, and the warnings, as lines for standard error.
 
-    ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, at most two lines of
-    warnings remain: one for all inputs outside the tests, and the first of the others.
+    ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, only the first warning
+    that the answer does not contain remains.
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
     told = list(dict.fromkeys(warnings))
-    shown = list(map(str, told)) if verbose else in_two_lines(told, "with -v")
+    shown = list(map(str, told)) if verbose else in_one_line(told, "with -v")
     return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 

@@ -1,14 +1,15 @@
 """Commands that answer a question about a scenario, or about many armours like it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
+from xml.etree.ElementTree import Element
 
 import typer
 
 import armour
-from armour.analysis.quantities import ANSWERS, QUANTITIES, Answer, reads_of
+from armour.analysis.quantities import ANSWERS, QUANTITIES, VERDICT, WORDS, Answer, reads_of, with_round
 from armour.cli import completion, runner
 from armour.cli.console import emit, progress, say, show, show_json
 from armour.cli.folders import YES, scenario_paths
@@ -18,9 +19,11 @@ from armour.cli.options import (
     CHANGES,
     CONFIDENCE,
     FORCE,
+    KEEP,
     PLOT,
     REQUIRED_PROBABILITY,
     SCENARIO,
+    SHEET,
     VERBOSE,
     argument,
     either,
@@ -30,13 +33,14 @@ from armour.cli.options import (
     option,
 )
 from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
-from armour.errors import InputError, Note, Problem, counted, duration, refuse
+from armour.errors import InputError, Problem, counted, duration, refuse
 from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
-from armour.scenario.inputs import ROUND_AND_ARMOUR, VELOCITY
+from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of, describe
 
+ONE_SCENARIO = "must be given with one scenario, not with several or a folder"
 # Longest command that fits on a line of 80 columns after "next: "; name of a file for the best design.
 LONGEST_NEXT, BEST = 74, "best.toml"
 
@@ -96,7 +100,7 @@ def ballistic_limit(
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
-    answer(result, loaded, notes=_of_limit(result), plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
@@ -117,14 +121,7 @@ def compare(
     check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    answer(result, loaded, notes=_of_limit(result.limit), plot=plot, as_json=as_json, verbose=verbose)
-
-
-def _of_limit(limit: "armour.LimitResult") -> tuple[Note, ...]:
-    """Return the notes on a ballistic limit, also those that its tables contain."""
-    from armour.analysis.ballistic_limit import not_monotonic
-
-    return (*not_monotonic(limit), *limit.notes)
+    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -134,8 +131,14 @@ def check(
         "standard input.",
         autocompletion=completion.scenarios,
     ),
+    cases: Path | None = file_option(
+        "Table of offers: check, in place of the armour of the scenario, that of each row: ceramic, metal, their "
+        "thicknesses and the price per m².",
+    ),
+    sheet: str | None = SHEET,
+    keep: list[str] | None = KEEP,
     junit: Path | None = file_option("Write the results as JUnit XML; such a file is replaced."),
-    csv: Path | None = file_option("Write the limits as CSV, as given and with each change."),
+    csv: Path | None = file_option("Write the limits as CSV, as given and with each change, or a row for each offer."),
     markdown: Path | None = file_option("Write the verdicts as Markdown, as for the summary of a CI run."),
     probability: Any = REQUIRED_PROBABILITY,
     confidence: Any = CONFIDENCE,
@@ -154,43 +157,55 @@ def check(
     """Check armours against their threats, and with thinner layers, a faster round or at an angle.
 
     An armour passes if it has all that is required, a probability among it. The exit code is 0 if it passes, is
-    expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios or a folder, there
-    is a line for each, and --json prints an array.
+    expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios, a folder or offers,
+    there is a line for each, and --json prints an array.
 
     Examples
     --------
     armour check wilkins --probability 0.9
     armour check wilkins bare_plate --junit check.xml
+    armour check wilkins --probability 0.9 --cases offers.csv --keep offer --csv verdicts.csv
     """
     from armour.design.against import moved
+    from armour.design.check import CheckResults, check_of
+    from armour.design.offers import Offer, read_offers
     from armour.design.requirements import GOOD
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import design as views
 
     paths = scenario_paths(scenario, yes=yes)
-    is_one = paths == scenario[:1]  # false for a folder, however many scenarios are in it
-    if plot is not None and not is_one:
-        raise runner.wrong_option("--plot", "must be given with one scenario, not with several or a folder")
+    is_one = cases is None and paths == scenario[:1]  # false for a folder, however many scenarios are in it
+    runner.check_options(
+        *(
+            (name, value and paths != scenario[:1], ONE_SCENARIO)
+            for name, value in (("--plot", plot), ("--cases", cases))
+        ),
+        ("--cases", cases and (plot or against), "must be given without --plot and --against"),
+        ("--sheet", sheet and not cases, "must be given with --cases"),
+        ("--keep", keep and not cases, "must be given with --cases"),
+    )
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = _read_each(paths, changes, either(probability, confidence), by_model=by_model)
+        table = None if cases is None else read_offers(scenarios[0], cases, keep or (), sheet)
     earlier = None if against is None else read_json(against)
-    inputs = [*paths, against]
+    inputs = [*paths, against, cases]
     check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, scenarios=scenarios, plot=plot, force=force)
+    offers: Sequence[Offer | None] = [None] * len(scenarios) if table is None else table.offers
+    if table is not None:
+        scenarios = [offer.scenario for offer in table.offers]
+        say(*[f"read {cases}: {table.read.words}"] * (not table.read.plain))
     results: list[armour.CheckResult] = []
-    suites, warnings = [], []
-    for loaded in scenarios:
-        start = perf_counter()
-        with progress("impacts") as count:
-            result = armour.check(loaded, on_progress=count).of(every_row=verbose)
-        results.append(result)
-        suites.append(views.check_junit(result, loaded, perf_counter() - start, runner.origin_of(loaded)))
-        warnings += warnings_of(loaded, result.notes, verbose=verbose)
-    answers = [*zip(scenarios, results, strict=True)]
-    data = [{"scenario": case.file, **found.to_dict(), "made_by": runner.origin_of(case)} for case, found in answers]
+    seconds, warnings = list[float](), list[str]()
+    with progress("impacts") as count:
+        for loaded, offer in zip(scenarios, offers, strict=True):
+            start, is_own = perf_counter(), offer is None
+            found = check_of(loaded, count, changes=is_own, needed=is_own, offer=offer).of(every_row=verbose)
+            results.append(found)
+            seconds.append(perf_counter() - start)
+            warnings += warnings_of(loaded, found.notes, verbose=verbose) if is_own or verbose else []
+    data = [_checked_data(found) for found in results] if as_json or against is not None else []
     moves = [] if against is None else [*moved(earlier, data, str(against))]
     of_moved = [] if against is None else views.tables_of_moved(moves, str(against))
-    if against is not None:
-        suites.append(views.moved_junit(moves, str(against), runner.origin_of()))
     if as_json:
         if against is not None:
             by_scenario = {
@@ -200,18 +215,29 @@ def check(
             data += [{"scenario": missing, "moved": found} for missing, found in by_scenario.items()]
         show_json(data[0] if is_one and len(data) == 1 else data)
     else:
-        by_file = {loaded.file: found for loaded, found in answers}
         if not is_one:
-            show(views.check_summary(by_file), *views.checks_table(by_file))
-        for file, found in by_file.items() if is_one or verbose else ():
-            show(*views.tables_of_check(found), title="" if is_one else f"\n{file}")
+            show(views.check_summary(results), *views.checks_table(results))
+        for found in results if is_one or verbose else ():
+            show(*([] if is_one else ["", views.name_of(found)]), *views.tables_of_check(found))
         if of_moved:
             emit("\n")
             show(*of_moved)
+
+    def suites() -> Iterator[Element]:
+        for loaded, found, taken in zip(scenarios, results, seconds, strict=True):
+            yield views.check_junit(found, loaded, taken, runner.origin_of(loaded))
+        if against is not None:
+            yield views.moved_junit(moves, str(against), runner.origin_of())
+
+    def rows() -> list[dict[str, object]]:
+        if table is not None:
+            return CheckResults(results).rows()
+        return [{"scenario": views.name_of(found), **row} for found in results for row in found]
+
     files: Files = {
-        junit: lambda _: junit_xml(suites),
-        markdown: lambda _: markdown_report(views.check_report(answers, of_moved)),
-        csv: lambda _: rows_csv({"scenario": loaded.file, **row} for loaded, found in answers for row in found),
+        junit: lambda _: junit_xml(suites()),
+        markdown: lambda _: markdown_report(views.check_report(results, of_moved)),
+        csv: lambda _: rows_csv(rows()),
         plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     write(files, warnings)
@@ -224,6 +250,13 @@ def check(
             runner.propose(words)
     if any(result.verdict not in GOOD for result in results) or any(move.weaker for move in moves):
         raise typer.Exit(runner.CHECK_FAILED)
+
+
+def _checked_data(result: "armour.CheckResult") -> dict[str, Any]:
+    """Return the check of an armour as plain data, with the name and the labels of an offer."""
+    scenario, offer = result.question["scenario"], {"name", "labels"} & result.question.keys()
+    labelled = {key: result.question[key] for key in sorted(offer, reverse=True)}
+    return {"scenario": scenario.file, **labelled, **result.to_dict(), "made_by": runner.origin_of(scenario)}
 
 
 def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], words: str = "") -> None:
@@ -409,7 +442,11 @@ def uncertainty(
 
 def sweep(
     scenario: Path = SCENARIO,
-    output: Path = typer.Option(..., "--output", "-o", metavar="FILE", help="Table to write, .csv or .parquet."),
+    output: Path | None = file_option(
+        "Table to write, .csv or .parquet; without it, the first rows are printed and none are kept.",
+        "--output",
+        "-o",
+    ),
     over: list[str] | None = option(
         "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
         metavar="KEY=VALUES",
@@ -419,18 +456,13 @@ def sweep(
         "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
         "gives their values, such as SiC."
     ),
-    sheet: str | None = option(
-        "Sheet of a workbook of cases, by default the only visible one with a table.", metavar="NAME"
-    ),
-    keep: list[str] | None = option(
-        "Column of the cases that is no key, such as the name or the price of an offer, to keep as text; repeatable.",
-        metavar="COLUMN",
-    ),
-    quantities: str = option(
-        "Quantities to compute, from the list below; by default the ballistic limit.",
+    sheet: str | None = SHEET,
+    keep: list[str] | None = KEEP,
+    quantities: str | None = option(
+        "Quantities to compute, from the list below; by default the ballistic limit or, without -o, limits, "
+        "probability and verdict.",
         metavar="NAME,...",
         autocompletion=completion.quantities,
-        default="ballistic_limit_m_s",
     ),
     plot: Path | None = PLOT,
     force: bool = FORCE,
@@ -448,13 +480,17 @@ def sweep(
 
     Examples
     --------
+    armour sweep wilkins --over armour.ceramic_thickness_mm=6,8,10,12
     armour sweep wilkins --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg
     """
     from armour.cli import sweeping
 
-    names = [name.strip() for name in quantities.split(",")]
-    reads = reads_of(name for name in names if name in QUANTITIES)
-    loaded = read_scenario(scenario, changes, Answer("the sweep", (*ROUND_AND_ARMOUR, *reads)))
+    asked = sweeping.ANSWERED if output is None else (sweeping.LIMIT,)
+    names = [name.strip() for name in quantities.split(",")] if quantities else [*asked]
+    reads = with_round(reads_of(name for name in names if name in QUANTITIES))
+    loaded = read_scenario(scenario, changes, Answer("the sweep", tuple(reads)))
+    if not quantities and output is None and loaded.threat:
+        names = [VERDICT]  # the others are against [impact]
     check_outputs(output, inputs=[scenario, cases], scenarios=[loaded], plot=plot, force=force)
     keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
     runner.check_options(
@@ -462,10 +498,14 @@ def sweep(
         ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
         ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
         ("--keep", cases is None and keep, "must be given with --cases"),
-        ("--plot", plot and names[0] == "outcome", "must be given with a number first in --quantities, found outcome"),
+        ("--plot", plot and names[0] in WORDS, f"must be given with a number first in --quantities, found {names[0]}"),
+        ("--scheduler", scheduler and output is None, "must be given with -o"),
     )
     with runner.as_options("sweep"):
         source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet, keep or ())
+        if output is None:
+            sweeping.show_rows(loaded, source, names, plot, threads=threads, as_json=as_json)
+            return
         options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
         sweeping.write_and_show(loaded, source, names, output, plot, **options)
 

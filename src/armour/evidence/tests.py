@@ -494,11 +494,10 @@ class Outside(NamedTuple):
     words: str  # what the model was compared with
     rows: Any  # indices of the armours outside
     numbers: str  # the range of their values, in words
-    brief: str  # the warning in a few words
 
     def note(self, key: str = "") -> Note:
         """Return the warning, by default with its own key."""
-        return Note(self.words + self.numbers, key or self.key, self.brief)
+        return Note(self.words + self.numbers, key or self.key, said="far")
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
@@ -511,21 +510,19 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         members = armours.at(rows)
         q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
         name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
-        no_test = f"{ceramic.name if ceramic else ''} (no test)"
         oblique = evidence.fails_angle(members.cosines)
-        angle = f"{_ends(np.degrees(np.arccos(members.cosines[oblique])))}° ({evidence.angles()})"
         is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
         checks = [
-            (OBLIQUITY, evidence.angles(), oblique, "", angle),
+            (OBLIQUITY, evidence.angles(), oblique, ""),
             _check(evidence.velocities, {"velocity_m_s": velocities[rows]}),
-            ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
-            ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
-            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
+            ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name),
+            ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name),
+            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name),
             *(_check(data_range, q, ~(is_other & (data_range.name in OF_CERAMIC))) for data_range in evidence.compared),
         ]
-        for key, words, fails, numbers, brief in checks:
+        for key, words, fails, numbers in checks:
             if fails.any():
-                yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers, brief)
+                yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers)
 
 
 def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
@@ -656,18 +653,15 @@ def limits_of_model(
         yield Note(words, CERAMIC, said="caveat" * said, about=(TOO_THIN, *ends)), is_thin
 
 
-def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
+def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str]:
     """Check whether quantities of n armours lie in a range; `rows` may restrict the check to some of them.
 
-    Return the key, the words of the range, a mask of the armours that fail, the range of their values in words, and the
-    warning in a few words.
+    Return the key, the words of the range, a mask of the armours that fail, and the range of their values in words.
     """
     fails = data_range.fails(q) & ~np.isnan(q[data_range.name]) & rows
     if data_range.name == THIN:  # `limits_of_model` has what is too thin
         fails &= q[THIN] > data_range.low
-    ends = _ends(q[data_range.name][fails])
-    brief = f"{data_range.words(ends)} ({data_range.ends()})"
-    return data_range.key, f"results for {data_range}", fails, f", found {ends}", brief
+    return data_range.key, f"results for {data_range}", fails, f", found {_ends(q[data_range.name][fails])}"
 
 
 def _ends(values: Any, spec: str = "") -> str:
@@ -725,7 +719,8 @@ def threat_warnings(
     """
     threats = scenario.threats()
     titles, backings = [threat.title for threat in threats], [materials.backing for materials in armours.materials]
-    by_threat = (limits_of_model(armours.at([place]), backings) for place in range(len(threats)))
+    each = [armours] if len(threats) == 1 else [armours.at([place]) for place in range(len(threats))]
+    by_threat = (limits_of_model(armour, backings) for armour in each)
     for note, _ in against_each(titles, by_threat):
         yield note
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):

@@ -10,7 +10,7 @@ from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.analysis.samples import misplaced
 from armour.design.catalogue import asks_for_design
-from armour.design.check import CheckedThreat, CheckResult, check
+from armour.design.check import CheckedThreat, CheckResult, check, deciding
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, Note
 from armour.evidence.model_error import given_error
@@ -62,7 +62,7 @@ def scenario_report(
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
     checked = check(scenario, on_progress=on_part) if design is None else design.shown.check
     armour: Scenario = checked.question["scenario"]
-    threat = design_view.deciding(checked)
+    threat = deciding(checked)
     answer = armour.against(armour.threats()[checked.threats.index(threat)])
     is_uncertain = scenario.distributions() and not misplaced(scenario.distributions(), scenario, answer)
     limit = _or_none(ballistic_limit, answer, ignore_progress)

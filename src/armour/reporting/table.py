@@ -22,14 +22,15 @@ Cell = float | int | str | None
 
 
 class VerdictLine(str):
-    """A line that says how an answer ends: green on a terminal if that is good, red if not, yellow if not known."""
+    """A line with an answer, which a terminal shows bold: green if it is good, red if not, yellow if that is unsure."""
 
     good: bool | None
+    unsure: bool
 
-    def __new__(cls, text: str, *, good: bool | None) -> Self:
-        """Make the line; `good` chooses its colour."""
+    def __new__(cls, text: str, *, good: bool | None = None, unsure: bool = False) -> Self:
+        """Make the line; without `good` and `unsure`, it has no colour."""
         line = super().__new__(cls, text)
-        line.good = good
+        line.good, line.unsure = good, unsure
         return line
 
 
@@ -101,6 +102,12 @@ def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
     if low is None:
         return "not bounded" if high is None else f"up to {number(high, spec)}"
     return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"
+
+
+def between(level: float, ends: tuple[float | None, float | None], spec: str) -> str:
+    """Format an interval with its confidence level, such as "95 % between 764 and 798"."""
+    words = interval(ends, spec)
+    return f"{percent(level)} {words}" if None in ends else f"{percent(level)} between {words.replace(' to ', ' and ')}"
 
 
 @dataclass(frozen=True)
@@ -178,6 +185,11 @@ class Table:
     def of_one(cls, item: Any, *sources: Source, title: str = "") -> Self:
         """Make a record of one item; omit columns without a value."""
         return replace(cls.of([item], *sources, title=title), record=True)
+
+    @classmethod
+    def of_facts(cls, facts: Mapping[str, str]) -> Self:
+        """Make a record of texts by label; omit those that are empty."""
+        return cls.of_one(None, *((Column(label, prose=True), text) for label, text in facts.items()))
 
     def texts(self) -> list[list[str]]:
         """Return the rows with every cell formatted as text."""

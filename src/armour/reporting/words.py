@@ -1,22 +1,20 @@
 """Sentences on the probability of stopping, the model error, and the flow stress of a ceramic without tests."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from math import ceil, floor, inf
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
-from armour.analysis.estimates import Estimate
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, beside, interval, number, percent, with_interval
+from armour.reporting.table import Column, Source, Table, VerdictLine, beside, interval, number, percent
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-BALLISTIC_LIMIT = Column.of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
 # Areal density including a back plate that exists already; empty without one.
 WHOLE: Source = (
@@ -25,11 +23,6 @@ WHOLE: Source = (
 )
 # Caveat of a probability where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
-
-
-def estimated(estimate: Estimate | None, spec: str) -> str:
-    """Format an estimate with its interval; None gives an empty text."""
-    return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
 
 
 def chance(probability: float | None, error: ModelError | None = None, required: float | None = None) -> str:
@@ -46,13 +39,6 @@ def chance(probability: float | None, error: ModelError | None = None, required:
     if probability < 0.01:
         return "below 1 %"
     return "above 99 %" if probability > 0.99 and not decimals else percents
-
-
-def risk(probability: float) -> str:
-    """Format the probability of perforation, given the probability of stopping; with `chance`, they add up to 100 %."""
-    if probability < 0.01:
-        return "above 99 %"
-    return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
 
 
 def rounded_down(number: float, decimals: int = 0) -> float:
@@ -96,6 +82,11 @@ def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
     return list(dict.fromkeys(note.text for note in notes if note.said in kinds))
 
 
+def far_line(far: Sequence[str], against: str = "") -> list[Table | str]:
+    """Return a line on what of an armour is far from the tests, if anything; `against` names the threat."""
+    return [VerdictLine(f"far from the tests{against}: {', '.join(far)}", unsure=True)] if far else []
+
+
 def threat_notes(scenario: Scenario | None) -> list[str]:
     """Return status and source of each threat of a scenario whose values in the library are unconfirmed."""
     names = dict.fromkeys(threat.threat for threat in scenario.threats()) if scenario else {}
@@ -121,17 +112,27 @@ def model_error_words(error: ModelError) -> str:
 
 def from_tests(error: ModelError) -> str:
     """Return the model error and its source, such as "model error: ± 7.0 %, from 13 tests"."""
+    at_least = f"; at least that, as {error.at_least}" if error.at_least else ""
+    return f"{size_of(error)}, from {error.source}{at_least}"
+
+
+def size_of(error: ModelError) -> str:
+    """Return the model error in numbers, such as "model error: ± 7.0 %"."""
     if error.ratio.logarithmic:
         low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
-        words = f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
-        return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
+        return f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %)"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+    return f"model error: {mean}± {error.scale_percent:.1f} %"
 
 
 def extrapolation(error: ModelError) -> list[str]:
     """Return a line with the quantities in which the model error is extrapolated beyond its tests, if any."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+
+
+def scatter(error: ModelError | None) -> str:
+    """Return the scatter of single shots about V50 that a probability includes, and its source."""
+    return "" if error is None else f"shots scatter by {error.scatter_percent:.2g} % of V50 ({error.scatter_source})"
 
 
 def tested_here(error: ModelError) -> list[str]:
@@ -210,9 +211,3 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
     return [*notes, *flow_stress_notes(answer.flow_stress)]
-
-
-def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
-    """Return the column and the cell with the ballistic limit corrected for the model error, and its 95 % interval."""
-    limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
-    return Column("with the model error", prose=True), limit

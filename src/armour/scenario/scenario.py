@@ -329,7 +329,8 @@ class Scenario(Section):
         return f"{layers(self.armour, varied or {})} against {rounds(self.impact, varied or {}, threats)}"
 
     def __repr__(self) -> str:
-        return f"<Scenario: {'; '.join(heading(self.subject(), self.title))}>"
+        title = f"; scenario: {self.title}" if self.title else ""
+        return f"<Scenario: {self.subject()}{title}>"
 
     __str__ = __repr__
 
@@ -553,11 +554,6 @@ def _names(names: Sequence[object], unknown: str) -> str:
     if len(words) > MAX_LISTED:
         words = [*words[:MAX_LISTED], f"{len(words) - MAX_LISTED} more"]
     return joined(words or ["" if names else unknown], "or")
-
-
-def heading(computed: str, title: str) -> list[str]:
-    """Return the first lines of an output: the subject of the computation, and the scenario's title."""
-    return [computed, *([f"scenario: {title}"] if title else [])]
 
 
 @checked

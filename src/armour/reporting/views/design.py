@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 from armour.analysis.variants import outside_words
 from armour.design.against import Moved
-from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult
+from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding
 from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
 from armour.design.requirements import GOOD, VERDICTS, Verdict
 from armour.errors import counted
@@ -41,18 +41,6 @@ def verdict_word(verdict: Verdict) -> str:
     return "FAILS" if verdict == "fails" else verdict
 
 
-def standing(threat: CheckedThreat) -> tuple[int, float]:
-    """Return a sort key that puts first the threat that decides about the armour: of equals, the likeliest to fail."""
-    margin, chance = threat.margin_m_s, threat.probability_of_stopping
-    slack = inf if margin is None else margin - threat.required_margin_m_s
-    return VERDICTS.index(threat.verdict), slack if chance is None else chance - (threat.required_probability or 0.0)
-
-
-def deciding(result: CheckResult) -> CheckedThreat:
-    """Return the threat that decides about an armour."""
-    return min(result.threats, key=standing)
-
-
 def at_speed(threat: CheckedThreat) -> str:
     """Return the name of a threat with its velocity."""
     speed = f" at {threat.velocity_m_s:g} m/s"
@@ -77,8 +65,7 @@ def chance_text(threat: CheckedThreat) -> str:
 def reasons(threat: CheckedThreat) -> str:
     """Return why an armour has its verdict against a threat: probability or limit, and what is required."""
     rows = {row.quantity: row for row in threat.requirements}
-    name, asked = at_speed(threat), threat.required_probability
-    required = "none required" if asked is None else f"{percent(asked)} required"
+    name, required = at_speed(threat), _required(threat)
     for unsound in ("backing_density_kg_m3", "interlayers", "flow_stress_sources"):
         if unsound in rows:
             return phrases.requirement_words(rows[unsound])
@@ -101,6 +88,11 @@ def reasons(threat: CheckedThreat) -> str:
     return f"{threat.reason.partition(';')[0]}; {by_model}" if threat.verdict == "not known" else by_model
 
 
+def _required(threat: CheckedThreat) -> str:
+    asked = threat.required_probability
+    return "none required" if asked is None else f"{percent(asked)} required"
+
+
 @line_of.register
 def check_in_a_line(result: CheckResult) -> str:
     """Return the verdict on an armour in a line, with what decides about it."""
@@ -114,12 +106,10 @@ def check_in_a_line(result: CheckResult) -> str:
     return f"{words}; keeps all limits of [design]" if kept and is_neutral else words
 
 
-def verdict_line(result: CheckResult) -> str:
+def verdict_line(result: CheckResult) -> VerdictLine:
     """Return the verdict on an armour in a line, with the colour of its verdict; neutral ones have none."""
-    line = in_a_line(result)
-    if result.verdict in ("stopped by the model", "expected to stop"):
-        return line
-    return VerdictLine(line, good={"passes": True, "not known": None}.get(result.verdict, False))
+    good = {"passes": True, "fails": False, "perforated by the model": False}.get(result.verdict)
+    return VerdictLine(in_a_line(result), good=good, unsure=result.verdict == "not known")
 
 
 def amounts(result: CheckResult) -> str:
@@ -163,12 +153,9 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
             "needs": needs(threat),
         }
     rows["within 1 %"] = also
-    used = {label: text for label, text in rows.items() if text}
-    if used:
-        shown.append(Table.of_one(None, *((Column(label, prose=True), text) for label, text in used.items())))
-    if threat.far_from_tests and _is_modelled(threat):
-        against = f" against {threat.threat}" * several
-        shown.append(VerdictLine(f"far from the tests{against}: {', '.join(threat.far_from_tests)}", good=None))
+    shown.append(Table.of_facts(rows))
+    if _is_modelled(threat):
+        shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
     return [*shown, *phrases.said_of(result.notes)]
 
 
@@ -290,20 +277,25 @@ def _detail_table(threat: CheckedThreat) -> Table:
     )
 
 
-def checks_table(results: Mapping[str, CheckResult]) -> list[Table | str]:
-    """Tabulate several armours by name: what each is, weighs and costs, its limit and its verdict."""
-    items = [(name, result, deciding(result)) for name, result in results.items()]
+def name_of(result: CheckResult) -> str:
+    """Return the name of an offer, or else the file of the armour."""
+    return str(result.question.get("name") or result.question["scenario"].file)
+
+
+def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
+    """Tabulate several armours: what each is, weighs and costs, its limit and its verdict."""
+    items = [(result, deciding(result)) for result in results]
     table = Table.of(
         items,
-        (Column("name", prose=True), lambda item: item[0]),
-        (Column("armour", prose=True), lambda item: item[1].question["scenario"].armour_words()),
-        (Column("kg/m²", spec=".1f"), lambda item: item[1].areal_density_kg_m2),
-        (Column("cost", spec=".0f"), lambda item: item[1].cost_per_m2),
-        (Column("limit", prose=True), lambda item: _marked_limit(item[2])),
-        (STOPS, lambda item: chance_text(item[2])),
-        (VERDICT, lambda item: verdict_word(item[1].verdict)),
+        (Column("name", prose=True), lambda item: name_of(item[0])),
+        (Column("armour", prose=True), lambda item: item[0].question["scenario"].armour_words()),
+        (Column("kg/m²", spec=".1f"), lambda item: item[0].areal_density_kg_m2),
+        (Column("cost", spec=".0f"), lambda item: item[0].cost_per_m2),
+        (Column("limit", prose=True), lambda item: _marked_limit(item[1])),
+        (STOPS, lambda item: chance_text(item[1])),
+        (VERDICT, lambda item: verdict_word(item[0].verdict)),
     )
-    return [table, *_by_model(item[2] for item in items)]
+    return [table, *_by_model(item[1] for item in items)]
 
 
 def _marked_limit(threat: CheckedThreat) -> str:
@@ -318,32 +310,37 @@ def _by_model(threats: Iterator[CheckedThreat]) -> list[str]:
     return [BY_MODEL] * any(_marked_limit(threat).endswith("*") for threat in threats)
 
 
-def check_summary(results: Mapping[str, CheckResult]) -> str:
-    """Return a line with how many of several armours have each verdict; `results` has their checks by name."""
-    found = [result.verdict for result in results.values()]
+def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
+    """Return a line with how many of several armours have each verdict and, of offers, what is required."""
+    found = [result.verdict for result in results]
     counts = ", ".join(f"{found.count(each)} {verdict_word(each)}" for each in reversed(VERDICTS) if each in found)
     line = f"{counted(len(found), 'armour')}: {counts}"
-    worst = min(found, key=VERDICTS.index)
-    return VerdictLine(line, good=worst == "passes") if worst == "passes" or worst not in GOOD else line
+    if "labels" in results[0].question:
+        threats = results[0].threats
+        against = at_speed(threats[0]) if len(threats) == 1 else counted(len(threats), "threat")
+        line += f" ({_required(threats[0])}, {against})"
+    is_good = {*found} <= {*GOOD}
+    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if is_good else False)
 
 
-def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequence[Table | str]) -> Report:
+def check_report(results: Sequence[CheckResult], moved: Sequence[Table | str]) -> Report:
     """Return a short report on checked armours, as for the summary of a CI run.
 
     `moved` has the tables of what moved since an earlier check.
     """
     rows, caveats = [], list[tuple[str, str]]()
-    for scenario, result in answers:
+    labels = results[0].question.get("labels") or {"offer" if "labels" in results[0].question else "scenario": ""}
+    for result in results:
+        named = [*result.question.get("labels", {}).values()] or [name_of(result)]
         parts = [(threat.threat, threat.verdict, reasons(threat)) for threat in result.threats]
         parts += [("", row.verdict, phrases.requirement_words(row)) for row in result.requirements]
-        rows += [(scenario.file, threat, verdict_word(verdict), words) for threat, verdict, words in parts]
-        caveats += [(scenario.file, text) for text in phrases.said_of(result.notes)]
-    columns = [Column(label, prose=True) for label in ("scenario", "threat", "verdict", "why")]
+        rows += [(*named, threat, verdict_word(verdict), words) for threat, verdict, words in parts]
+        caveats += [(name_of(result), text) for text in phrases.said_of(result.notes)]
+    columns = [Column(label, prose=True) for label in (*labels, "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
     sections += [section_of("Since the earlier check", moved)] if moved else []
-    summary = check_summary({scenario.file: result for scenario, result in answers})
-    good = {result.verdict for _, result in answers} <= {*GOOD}
-    return Report("Check of armour", summary, tuple(sections), passed=good)
+    good = {result.verdict for result in results} <= {*GOOD}
+    return Report("Check of armour", check_summary(results), tuple(sections), passed=good)
 
 
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
@@ -403,6 +400,8 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     angles.  `seconds` is the time of the whole check.
     """
     file, caveats = scenario.file, phrases.said_of(result.notes)
+    group = ": ".join(filter(None, (file, result.question.get("name"))))
+    labels = [f"{name}: {label}" for name, label in result.question.get("labels", {}).items()]
     parts = [(threat.name, threat.verdict, reasons(threat), caveats) for threat in result.threats]
     parts += [
         (Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row), list[str]())
@@ -412,8 +411,8 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     for name, verdict, why, more in parts:
         found = {"passes": ""}.get(verdict, "skipped" if verdict in GOOD else "failure")
         words = f"{verdict_word(verdict)}: {why}"
-        cases.append(TestCase(file, name, found, words, file=file, output=[words, *more]))
-    return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
+        cases.append(TestCase(group, name, found, words, file=file, output=[words, *labels, *more]))
+    return junit_suite(group, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
 
 
 # The layers, which distinguish a design from others.
@@ -458,7 +457,13 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
     result.shown.check.of(every_row=_every_row(result))
     checked = facts(result.shown.check, also=nearly_as_good(result))
     more = details(result.shown.check) * _every_row(result)
-    return [found_in_a_line(result), verdict_line(result.shown.check), *checked, *more, *tables_of_search(result)]
+    return [
+        VerdictLine(found_in_a_line(result)),
+        verdict_line(result.shown.check),
+        *checked,
+        *more,
+        *tables_of_search(result),
+    ]
 
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
