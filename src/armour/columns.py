@@ -42,6 +42,8 @@ BOUNDS = {
 # Greatest length of the name of a column; a longer text is none.
 MAX_NAME = 500
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+# Marks of a word that is not certain, such as "CP?" or "(CP)".
+_DOUBT = re.compile(r"[^\w\s.,'\u2019/-]")
 # Parts of a header: meanings of codes, as in "1 = perforated", and words between which cells choose, as in "yes/no".
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
 _OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
@@ -82,7 +84,7 @@ class Column(NamedTuple):
         """Return whether a word in the column says that a shot perforated, or counts; None if it says neither."""
         said = None if self.yes is None else is_yes(word)
         words = _COUNTED if self.key in COUNT_KEYS else PERFORATED
-        return words.get(letters(word)) if said is None else said == self.yes
+        return _meaning(word, words) if said is None else said == self.yes
 
 
 def folded(text: str) -> str:
@@ -102,9 +104,6 @@ def _by_word(pairs: Sequence[Sequence[str]]) -> dict[str, bool]:
     return {letters(word): place == 1 for pair in pairs for place, word in enumerate(pair)}
 
 
-# Words of remarks on a shot that does not count.
-REJECTIONS = (*USUAL_NAMES["excluded"], *(no for no, _ in COUNTED), *_DATA["rejections"])
-_REJECTED = re.compile(f"(?<![^_])(?:{'|'.join(map(folded, REJECTIONS))})(?:ed|er?|e?s)?(?![^_])")
 _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
 PERFORATED, _COUNTED = _by_word(OUTCOME_WORDS), _by_word(COUNTED)
 # Exactly, as "-1" is not 1.
@@ -114,7 +113,12 @@ _SUMMARIES = {*map(letters, _DATA["summaries"])}
 
 def perforates(word: str) -> bool | None:
     """Return True for a word that says that an armour was perforated, False if it stopped the shot, otherwise None."""
-    return PERFORATED.get(letters(word))
+    return _meaning(word, PERFORATED)
+
+
+def _meaning(word: str, words: Mapping[str, bool]) -> bool | None:
+    """Return the meaning of a word by its letters; None if it has none, or is marked as uncertain."""
+    return None if _DOUBT.search(word) else words.get(letters(word))
 
 
 def is_yes(word: str) -> bool | None:
@@ -125,11 +129,6 @@ def is_yes(word: str) -> bool | None:
 def is_summary(name: str) -> bool:
     """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
     return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
-
-
-def is_rejection(remark: str) -> bool:
-    """Return whether a remark seems to say that a shot or test does not count."""
-    return _REJECTED.search(folded(remark)) is not None
 
 
 def unit_of(header: str) -> str:
@@ -209,7 +208,7 @@ def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
 def _of_words(key: str, header: str) -> Column:
     """Return a column of words; for results and yes and no, the brackets in its header may tell what yes means."""
     column = Column(key, yes=YES_MEANS.get(key))
-    note = " ".join(_BRACKETS.findall(header))
+    note = " ".join(_BRACKETS.findall(header)).replace("?", "")
     if key not in (*RESULT_KEYS, *YES_MEANS) or not note:
         return column
     of_yes = column._replace(yes=column.yes is not False)

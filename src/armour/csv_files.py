@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
-from itertools import chain, islice
+from itertools import chain, islice, pairwise
 from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
@@ -17,21 +17,31 @@ from typing import Any, NamedTuple, Protocol
 from armour.columns import (
     COUNT_KEYS,
     GROUPS,
+    LONGEST_CODE,
     MAX_NAME,
     RESULT_KEYS,
     Column,
     columns_of,
-    is_rejection,
     is_summary,
     is_unit,
     is_yes,
     letters,
 )
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
-from armour.files import WORKBOOKS, csv_value, located, named, reason, refuse_pipe, shell_word, shipped_tests
+from armour.files import (
+    WORKBOOKS,
+    csv_value,
+    located,
+    named,
+    reason,
+    refuse_pipe,
+    shell_line,
+    shell_word,
+    shipped_tests,
+)
 from armour.foreign import items, plain
 from armour.units import key_hint
-from armour.workbooks import MAX_UNPACKED, rows_of, workbook_of
+from armour.workbooks import MAX_UNPACKED, Workbook, comments_of, rows_of, workbook_of
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_TABLE_ROWS = 100_000
@@ -46,7 +56,11 @@ USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 CROSS = "x"
 # Relative difference of two numbers that are rounded in different units.
 SAME = 1e-3
+# Least number of numbers that may lie in two groups, and the least distance of these, in ranges of the wider one.
+LEAST_GROUPED, GAP = 6, 2.0
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
+# Two words, as in a remark.
+_PHRASE = re.compile(r"[^\W\d_]{2,}\W+[^\W\d_]{2,}")
 # Beginning of the key of a problem in a line.
 _LINE = re.compile(r"(?:line|row) (\d+)")
 # Bytes that are not UTF-8 text, as they are read.
@@ -72,6 +86,8 @@ class Frame(Protocol):
 
 # Rows given in Python: mappings by column, columns by name, or a data frame.
 Rows = Iterable[Mapping[str, Any]] | Mapping[str, object] | Frame
+# How a column divides the rows of a table, with the ways on, and the options of the first way.
+Division = tuple[str, tuple[str, ...]]
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 
@@ -85,13 +101,30 @@ class Source:
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
-    sheets: Sequence[str] = ()  # of a workbook
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
     problems: list[Problem] = field(default_factory=list)  # in the lines
+    marked: dict[str, str] = field(default_factory=dict)  # rows of a sheet that are hidden or struck through, by place
+    options: list[str] = field(default_factory=list)  # that mend problems, two words for each
 
     def wrong(self, key: str, message: str) -> None:
         """Record what is wrong at a line, or in a cell of a line."""
         self.problems.append(Problem(self.file, key, message))
+
+    def title(self, place: int) -> str:
+        """Return the name of a column, or its number if it has no name."""
+        return self.header[place] or f"column {place + 1}"
+
+    def check_marks(self, lines: Iterable[Line]) -> None:
+        """Record as wrong the lines, of those that count, that are hidden or struck through in a sheet."""
+        for place in self.marked.keys() & {place for place, _ in lines}:
+            self.wrong(
+                place, f"must not be {self.marked[place]} if it counts; show it, or leave it out by a column counts"
+            )
+
+    def divided(self, name: str, message: str, options: Sequence[str], unread: str = "") -> None:
+        """Record as wrong that a column divides the rows."""
+        self.wrong(name, unread + message)
+        self.options += options
 
     def numbers(
         self,
@@ -122,7 +155,8 @@ class Source:
 
     def refuse(self) -> None:
         """Raise an error with all that is wrong, in the order of the lines, after what is wrong in the whole file."""
-        refuse(sorted(self.problems, key=lambda problem: int((_LINE.match(problem.key) or [0, 0])[1])))
+        if problems := sorted(self.problems, key=lambda problem: int((_LINE.match(problem.key) or [0, 0])[1])):
+            raise InputError(problems, self.options if len(self.options) == 2 * len(problems) else ())
 
     def told(self, rows: str, notes: Sequence[str] = ()) -> tuple[str, bool]:
         """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
@@ -143,11 +177,11 @@ class TableRead:
     left_out : tuple of str
         Places of the rows that do not count.
     ignored : tuple of str
-        Columns that were not read.
+        Columns that were not read and do not divide the rows, or were to be ignored.
     sha256 : str
         Hash of the file, or of the rows given.
     warnings : tuple of str
-        Columns that were not read and probably should be.
+        Remarks on the rows, in columns that were not read, and such columns as may be inputs.
     """
 
     words: str
@@ -201,7 +235,8 @@ def open_table(
     """Open a table: a file, a shipped file by its name unless it must be the user's ``own``, or rows given in Python.
 
     ``known`` tells whether a text names a column; the header is the one of the first lines with the most such names.
-    ``content`` replaces that of a CSV file; ``sheet`` is that of a workbook, by default the first.
+    ``content`` replaces that of a CSV file; ``sheet`` is that of a workbook, by default the only visible one with a
+    table.
     """
     if not isinstance(table, str | PathLike):
         return _of_rows(table)
@@ -209,7 +244,7 @@ def open_table(
     name = named(path)
     source = Source(name if name == str(path) else f"{name} (shipped)")
     if path.suffix.lower() in WORKBOOKS:
-        return _with_header(source, _sheet_lines(path, source, sheet), known)
+        return _with_header(source, _sheet_lines(path, source, sheet, known), known)
     if sheet is not None:
         raise mistake(path, "", "must be a workbook (.xlsx) for a sheet to be chosen")
     return _csv_source(path, source, known, content)
@@ -252,7 +287,7 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     (source.place, header), *head = head[above:]
     if above:
         source.form.append(f"{counted(above, 'line')} above the header")
-    while header and not header[-1]:
+    while header and not header[-1] and not any(cells[len(header) - 1 : len(header)] > [""] for _, cells in head):
         header.pop()
     if any(len(name) > MAX_NAME for name in header):
         raise mistake(
@@ -323,12 +358,12 @@ def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
                 yield f"line {last_line}", stripped
     except csv.Error:
         before = {",": "a comma", ";": "a semicolon", "\t": "a tab"}[separator]
-        message = f"must close each quote on its line, before {before} or the end of the line"
+        message = f"must close each quote on its line, before {before} or the end of the line; only these divide cells"
         raise mistake(path, f"line {last_line + 1}", message) from None
 
 
-def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line]:
-    """Yield the rows of a sheet of a workbook, by default the first, that are not blank."""
+def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[[str], bool]) -> Iterator[Line]:
+    """Yield the rows of a sheet of a workbook that are not blank, by default of the only visible one with a table."""
     try:
         refuse_pipe(path)
         with open(path, "rb") as file:
@@ -337,12 +372,14 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line
             raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long")
         source.digest.update(content)
         workbook = workbook_of(path, content)
-        source.sheets = names = [*workbook.sheets]
-        if sheet is not None and sheet not in names:
-            raise mistake(path, "", f"must have the sheet {sheet}, found {listed(names)}")
-        name = names[0] if sheet is None else sheet
+        if sheet is not None and sheet not in workbook.sheets:
+            raise mistake(path, "", f"must have the sheet {sheet}, found {listed([*workbook.sheets])}")
+        name = _only_table(workbook, known) if sheet is None else sheet
         source.form.append(f"sheet {name}")
-        for number, cells in rows_of(workbook, name):
+        if places := comments_of(workbook, name):
+            source.form.append(f"without the comments of {listed(places)}")
+        for number, cells, mark in rows_of(workbook, name):
+            source.marked |= {f"row {number}": mark} if mark else {}
             yield f"row {number}", cells
     except InputError:
         raise
@@ -350,6 +387,18 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None) -> Iterator[Line
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
     except Exception:  # of any kind, depending on what is broken
         raise mistake(path, "", "must be a workbook of a spreadsheet program (.xlsx)") from None
+
+
+def _only_table(workbook: Workbook, known: Callable[[str], bool]) -> str:
+    """Return the name of the only visible sheet or, of several, of the only one with a table."""
+    names = workbook.visible
+    if len(names) > 1:
+        heads = [[cells for _, cells, _ in islice(rows_of(workbook, name), HEAD)] for name in names]
+        names = [name for name, head in zip(names, heads, strict=True) if _most_known(head, known)[0] >= LEAST_NAMES]
+    if len(names) != 1:
+        found = f"found {listed(names) or 'none'}; --sheet chooses from {listed([*workbook.sheets])}"
+        raise mistake(workbook.path, "", f"must have one visible sheet with a table, {found}")
+    return names[0]
 
 
 def shipped_rows(name: str) -> list[dict[str, str]]:
@@ -377,42 +426,63 @@ def _of_rows(table: Any) -> Source:
     return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
 
 
-def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None = None, least: int = 1) -> CsvTable:
+def read_rows(
+    source: Source,
+    kind: TableKind,
+    where: Mapping[str, str] | None = None,
+    least: int = 1,
+    ignore: Collection[str] = (),
+    *,
+    closed: bool = True,
+) -> CsvTable:
     """Read the rows of a table of a kind; at least ``least`` must be left.
 
-    Other columns are ignored, unless one looks like a misspelt key.  Rows are left out if they do not count, or if
-    their cells differ from those that ``where`` requires, by column.
+    Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
+    Columns that are not read must not divide the rows, unless ``ignore`` names them; if the table is not ``closed``,
+    they are groups.
     """
     file, where = source.file, where or {}
-    columns, lines, uncounted = _checked(source, kind, least)
+    columns = columns_of(source.header, kind.keys)
+    chosen, unwanted = ({i for name in names for i in named_places(source, columns, name)} for names in (where, ignore))
+    columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
+    unread = {i for i, column in enumerate(columns) if not column.known} - chosen - unwanted
+    columns, lines, uncounted = _checked(source, kind, columns, unread, least)
     lines = _chosen(source, columns, lines, where, uncounted)
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
+    source.check_marks(lines)
     places = [place for place, _ in lines]
     rows = [CsvRow(place, {}, {}) for place in places]
-    groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
-    for index, (name, column) in enumerate(zip(source.header, columns, strict=True)):
-        cells = [cells[index] for _, cells in lines]
-        if source.sheets and column.key in kind.needed and cells and not any(cells):
+    groups, dividing, ignored, warnings = dict[str, list[str]](), dict[str, list[str]](), list[str](), list[str]()
+    for index, column in enumerate(columns):
+        name, cells = source.title(index), [cells[index] for _, cells in lines]
+        if source.form and source.form[0].startswith("sheet ") and column.key in kind.needed and {*cells} == {""}:
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
-        if not column.known:
-            ignored += [name] * bool(name)
-            if rejected := [place for place, cell in zip(places, cells, strict=True) if is_rejection(cell)]:
-                which = f"{listed(rejected)}, which {'counts' if len(rejected) == 1 else 'count'}"
-                warnings.append(f"{name} seems to reject {which}; a column counts or rejected leaves rows out")
-        elif column.key in kind.numbers:
+        if column.known and column.key in kind.numbers:
             numbers, _ = source.numbers(name, column, places, cells)
             for row, cell, number in zip(rows, cells, numbers, strict=True):
                 row.texts.update({column.key: cell} if cell else {})
                 row.numbers.update({} if number is None else {column.key: number})
-        elif column.key in kind.texts:
+        elif column.known and column.key in kind.texts:
             _fill_texts(source, name, column, cells, rows)
-        elif column.key in GROUPS:
+        elif column.known and column.key in GROUPS:
             groups[name] = cells
+        elif not column.known and index not in chosen:
+            ignored += [name] * bool(source.header[index] or any(cells))
+            if index in unread and are_remarks(cells):
+                said = dict[str, list[str]]()
+                for place, cell in zip(places, cells, strict=True):
+                    said.setdefault(cell, []).append(place)
+                texts = [f'"{text}" in {listed(those)}' for text, those in said.items() if text]
+                warnings.append(f"{name}, which is not read, says {'; '.join(texts)}")
+            elif index in unread and (division := how_divided(name, cells, kind.noun, source.form)):
+                dividing[name] = cells
+                if closed:
+                    source.divided(name, *division, "is not read and ")
     equal = _equal(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
-    notes = [f"{name} {value}" for name, value in where.items()]
+    notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     names = Counter(row.texts.get(kind.texts[0]) for row in rows)
     if several := [name for name, count in names.items() if name and count > 1]:
@@ -423,10 +493,51 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
         notes.append(f"{listed(equal)} equal to an earlier row, counted")
     told = source.told(counted(len(rows), kind.noun), notes)
     read = TableRead(*told, left_out, (*ignored,), source.digest.hexdigest(), (*warnings,))
-    return CsvTable(file, rows, read, groups)
+    return CsvTable(file, rows, read, groups if closed else groups | dividing)
 
 
-def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column], list[Line], set[str]]:
+def are_remarks(cells: Sequence[str]) -> bool:
+    """Return whether the cells of a column are remarks: texts in some rows, or a different text in each.
+
+    The texts in some rows are longer than a code, and neither numbers nor yes or no; of different ones, one has two
+    words.
+    """
+    texts = {*cells} - {""}
+    if "" in cells and texts:
+        return all(len(letters(text)) > LONGEST_CODE and not is_number(text) and is_yes(text) is None for text in texts)
+    return len(texts) == len(cells) and any(map(_PHRASE.search, texts))
+
+
+def how_divided(name: str, cells: Sequence[str], noun: str, form: Collection[str]) -> Division | None:
+    """Return how a column that is not read divides the rows of a table, given its form; None if it does not.
+
+    It divides them if some cells are equal and others differ.  Numbers of which more than half differ are measured, and
+    divide the rows only if they lie in two groups far apart, as yaw angles do of which some are too great.
+    """
+    values, mark = {*cells}, decimal_mark(cells, Column(name), form) or "."
+    numbers = [number_as(cell, mark) for cell in cells if cell]
+    measured = sorted(number for number in numbers if number is not None)
+    if len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
+        return by_values(name, cells, noun) if 1 < len(values) < len(cells) else None
+    low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
+    if len(measured) < LEAST_GROUPED or high - low <= GAP * max(low - measured[0], measured[-1] - high):
+        return None
+    ways = f"a column counts leaves {noun}s out, --ignore {shell_word(name)} counts all"
+    return f"divides the {noun}s: up to {low:g}, from {high:g}; {ways}", ()
+
+
+def by_values(name: str, cells: Sequence[str], noun: str, or_each: str = "") -> Division:
+    """Return how a column divides the rows by its values; `or_each` is a further way on."""
+    counts = Counter(cells).most_common()
+    found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
+    options = ("--where", f"{name}={counts[0][0]}")
+    ways = f"{shell_line(options)} chooses{or_each}, --ignore {shell_word(name)} counts all"
+    return f"divides the {noun}s: {found}; {ways}", options
+
+
+def _checked(
+    source: Source, kind: TableKind, columns: list[Column], unread: Collection[int], least: int
+) -> tuple[list[Column], list[Line], set[str]]:
     """Return the columns of a table, its lines of the width of the header, and the places of those that do not count.
 
     Lines of another width are recorded as wrong.
@@ -438,14 +549,10 @@ def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column],
     lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
     if len(lines) > MAX_TABLE_ROWS:
         raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
-    columns = columns_of(header, kind.keys)
     whole = [line for line in lines if len(line[1]) == len(header)]
     uncounted = _uncounted(source, columns, whole, kind.texts[0])
     columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
-    if len(source.sheets) > 1 and not any(column.known for column in columns):
-        names = listed(source.sheets)
-        raise mistake(file, "", f"must have {kind.noun}s in the {source.form[0]}; --sheet chooses: {names}")
-    refuse(Problem(file, key, message) for key, message in _wrong_columns(source, columns, kind))
+    refuse(Problem(file, key, message) for key, message in _wrong_columns(source, columns, unread, kind))
     for place, cells in lines:
         if len(cells) != len(header):
             source.wrong(place, wrong_width(cells, header))
@@ -472,9 +579,12 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
 def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
     """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
 
-    If all cells are blank, they mean no only in a column that marks the rows to leave out.
+    If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say that a
+    row does not count, a blank cell says that it does.
     """
     words = {cell.casefold() for cell in cells} - {""}
+    if column.key == COUNT_KEYS[0] and {*map(column.says, words)} == {False}:
+        return [cell or ("no" if column.yes is False else "yes") for cell in cells]
     leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
     if column.yes is None or words - {CROSS} or not (words or leaves_out):
         return cells
@@ -503,14 +613,16 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
     return kept
 
 
-def _wrong_columns(source: Source, columns: Sequence[Column], kind: TableKind) -> Iterator[tuple[str, str]]:
+def _wrong_columns(
+    source: Source, columns: Sequence[Column], unread: Collection[int], kind: TableKind
+) -> Iterator[tuple[str, str]]:
     """Yield the mistakes in the columns of a table: the name of the column, and what is wrong."""
     keys, usual = kind.keys, kind.usual or ", ".join(kind.keys)
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
     missing, several = [key for key in keys if key not in by_other_names], set[str]()
-    for name, column in dict(zip(source.header, columns, strict=True)).items():
+    for place, (name, column) in enumerate(zip(source.header, columns, strict=True)):
         if column.known and column.factor == 0.0 and column.units is None:
             yield name, f'must agree with the words for results or yes and no, found "{column.unit}"'
         elif column.known and column.factor == 0.0:
@@ -523,7 +635,7 @@ def _wrong_columns(source: Source, columns: Sequence[Column], kind: TableKind) -
             key = f"{source.place}: {name}" if name else source.place
             also = "" if len({*same}) == 1 else f": {joined(same)}"
             yield key, f"must be the name of one column, found several{also}"
-        elif not column.known and name:
+        elif place in unread and name:
             like = key_hint(name, missing) or suggestion(name, missing)
             is_key = "." in name and name.partition(".")[0] in sections
             if like or is_key or not known_keys:
@@ -540,24 +652,30 @@ def _chosen(
     `uncounted` has the places of lines that do not count, in which a required column may be blank.
     """
     for name, value in ((name, str(value)) for name, value in where.items()):
-        index = place_of(source, columns, name)
-        values = dict.fromkeys(cells[index] for _, cells in lines)
-        if value not in values:
-            message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
-            raise mistake(source.file, f"where {name}", message)
-        if columns[index].key in GROUPS:
-            blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
-            refuse(not_filled(source.file, source.header[index], blank))
-        lines = [line for line in lines if line[1][index] == value]
+        for index in places_of(source, columns, name):
+            values = dict.fromkeys(cells[index] for _, cells in lines)
+            if value not in values:
+                message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
+                raise mistake(source.file, f"where {name}", message)
+            if columns[index].known and columns[index].key in GROUPS:
+                blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
+                refuse(not_filled(source.file, source.header[index], blank))
+            lines = [line for line in lines if line[1][index] == value]
     return lines
 
 
-def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
-    """Return the index of the column that a name means."""
-    for place, (header, column) in enumerate(zip(source.header, columns, strict=True)):
-        if name == column.key or letters(name) == letters(header):
-            return place
-    raise mistake(source.file, "where", f'must name a column, found "{name}"')
+def places_of(source: Source, columns: Sequence[Column], name: str) -> list[int]:
+    """Return the indices of the columns that a name in `where` means."""
+    if not (places := named_places(source, columns, name)):
+        raise mistake(source.file, "where", f'must name a column, found "{name}"')
+    return places
+
+
+def named_places(source: Source, columns: Sequence[Column], name: str) -> list[int]:
+    """Return the indices of the columns that have a name or, if none has exactly this name, one like it."""
+    titles = [*map(source.title, range(len(columns)))]
+    exact = [i for i, title in enumerate(titles) if title == name]
+    return exact or [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
 
 
 def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:
@@ -609,7 +727,8 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
             fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
     if len(fitting) == 2 and read["."] != read[","]:
         return None
-    return [*fitting, *whole, min(read, key=lambda mark: read[mark].count(None))][0]
+    usual = ",." if {"semicolons", "tabs"} & {*form} else ".,"
+    return [*fitting, *whole, min(usual, key=lambda mark: read[mark].count(None))][0]
 
 
 def two_meanings(cell: str) -> str:
@@ -629,19 +748,6 @@ def number_as(cell: str, mark: str) -> float | None:
     if value is None and (grouped := _GROUPED[mark].fullmatch(cell)):
         return number_as(cell.replace(grouped[1], ""), mark)
     return value
-
-
-def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
-    """Raise an InputError if the shots are at several targets, by a column such as panel.
-
-    `perforated` has the result of each shot, None if it is not known; `or_each` is added to the message.
-    """
-    for name, values in table.groups.items():
-        if len(targets := targets_of(table, name, perforated)) > 1:
-            shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in targets])
-            choice = shell_word(f"{name}={targets[0]}")
-            message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
-            raise mistake(table.file, name, message)
 
 
 def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
@@ -680,7 +786,7 @@ def _cell(value: object) -> str:
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
     """Return what is wrong with a row that has more or fewer cells than the header."""
-    hint = "; write decimals with points, and texts with commas in quotes" if len(cells) > len(header) else ""
+    hint = "; write decimals with points, texts with commas in quotes, and all headings" * (len(cells) > len(header))
     return f"must have {counted(len(header), 'cell')} as the header has, found {len(cells)}{hint}"
 
 

@@ -98,10 +98,12 @@ class InputError(ArmourError):
     ----------
     problems : tuple of Problem
         All mistakes found.
+    options : tuple of str
+        Options with which the command line has no mistake; empty if these are not known.
     """
 
-    def __init__(self, problems: Sequence[Problem]) -> None:
-        self.problems = tuple(_listed_once(problems))
+    def __init__(self, problems: Sequence[Problem], options: Sequence[str] = ()) -> None:
+        self.problems, self.options = tuple(_listed_once(problems)), tuple(options)
         super().__init__(self.problems)
 
     def __str__(self) -> str:
@@ -131,7 +133,7 @@ def restated(restate: Callable[[Problem], Problem]) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError([restate(problem) for problem in error.problems]) from None
+        raise InputError([restate(problem) for problem in error.problems], error.options) from None
 
 
 def refuse(problems: Iterable[Problem]) -> None:

@@ -14,7 +14,7 @@ from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from armour.errors import mistake
 
-# Greatest length of a workbook and of each part that is read, unpacked, bytes; and number of parts.
+# Greatest length of a workbook, bytes, also of all parts that are read, unpacked; and number of parts.
 MAX_UNPACKED, MAX_PARTS = 100_000_000, 10_000
 # Greatest number of columns, of cells and of characters in a sheet; a cell counts for each row that it fills or skips.
 MAX_COLUMNS, MAX_CELLS, MAX_CHARACTERS = 1000, 500_000, 5_000_000
@@ -32,14 +32,23 @@ _LITERAL = re.compile(r'"[^"]*"|\[[^][]*\]|[\\_*].')
 Tag = tuple[str, Mapping[str, str], str]
 
 
+class Archive(ZipFile):
+    """The parts of a workbook, and how many more tags and bytes of them may be read."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__(BytesIO(content))
+        self.tags, self.bytes = 2 * MAX_TAGS, MAX_UNPACKED
+
+
 class Workbook(NamedTuple):
     """A workbook: its sheets, and what their cells refer to."""
 
     path: Path
-    archive: ZipFile
+    archive: Archive
     sheets: dict[str, str]  # parts of the worksheets by name
+    visible: list[str]  # names of those that are not hidden
     texts: list[str]  # shared by cells
-    dates: list[bool]  # for each style of cells, whether it shows dates
+    styles: list[tuple[bool, bool]]  # of cells: whether they show dates, and whether texts are struck through
     first_day: datetime
 
 
@@ -47,10 +56,10 @@ def workbook_of(path: Path, content: bytes) -> Workbook:
     """Open the workbook that a file contains; a broken one raises any error."""
     if content.count(b"PK\1\2") > MAX_PARTS:
         raise mistake(path, "", f"must be a workbook of at most {MAX_PARTS:,} parts, found more")
-    archive = ZipFile(BytesIO(content))
+    archive = Archive(content)
     main = next(part for kind, part in _related(path, archive, "").values() if kind == "officeDocument")
     related = _related(path, archive, main)
-    sheets, first_day = dict[str, str](), datetime(1899, 12, 30)
+    sheets, visible, first_day = dict[str, str](), list[str](), datetime(1899, 12, 30)
     for name, attributes, _ in _tags(path, archive, main):
         if name == "workbookPr" and attributes.get("date1904") in ("1", "true"):
             first_day = datetime(1904, 1, 1)
@@ -58,17 +67,21 @@ def workbook_of(path: Path, content: bytes) -> Workbook:
             kind, part = related[next(value for key, value in attributes.items() if key.endswith(":id"))]
             if kind == "worksheet":
                 sheets[attributes["name"]] = part
+                visible += [attributes["name"]] * (attributes.get("state", "visible") == "visible")
     parts = {kind: part for kind, part in related.values() if part in archive.NameToInfo}
     texts = [*_shared_texts(path, archive, parts["sharedStrings"])] if "sharedStrings" in parts else []
-    dates = [*_dates(path, archive, parts["styles"])] if "styles" in parts else []
-    return Workbook(path, archive, sheets, texts, dates, first_day)
+    styles = [*_styles(path, archive, parts["styles"])] if "styles" in parts else []
+    return Workbook(path, archive, sheets, visible, texts, styles, first_day)
 
 
-def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number and the cells of each row of a sheet that is not empty; a row is as wide as those above."""
+def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
+    """Yield the number and the cells of each row of a sheet that is not empty, and how it is marked as not to be read.
+
+    A row is as wide as those above.  The mark is "hidden", "struck through" or "".
+    """
     number = column = width = 0
     cells, cells_left, characters_left = list[str](), MAX_CELLS, MAX_CHARACTERS
-    is_reading, kind, style, value = True, "", 0, ""
+    is_reading, kind, style, value, mark = True, "", 0, "", ""
     for name, attributes, text in _tags(book.path, book.archive, book.sheets[sheet]):
         match name:
             case "row":
@@ -77,6 +90,7 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str]]]:
                     message = f"must be numbered from 1 to {MAX_ROWS:,} in increasing order, found {number}"
                     raise mistake(book.path, f"rows of the sheet {sheet}", message)
                 column, cells = 0, []
+                mark = "hidden" if attributes.get("hidden") in ("1", "true") else ""
             case "c":
                 place = attributes.get("r")
                 column = _column(place.rstrip("0123456789")) if place else column + 1
@@ -91,17 +105,31 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str]]]:
                 characters_left -= len(found)
                 cells += [""] * (column - len(cells))
                 cells[column - 1] = found
+                if 0 <= style < len(book.styles) and book.styles[style][1]:
+                    mark = mark or "struck through"
             case "/row" if cells:
                 width = max(width, len(cells))
                 cells_left -= width
-                yield number, cells + [""] * (width - len(cells))
+                yield number, cells + [""] * (width - len(cells)), mark
         if min(cells_left, characters_left) < 0:
             raise mistake(
                 book.path, "", f"must have at most {MAX_CELLS:,} cells and {MAX_CHARACTERS:,} characters in a sheet"
             )
 
 
-def _tags(path: Path, archive: ZipFile, part: str) -> Iterator[Tag]:
+def comments_of(book: Workbook, sheet: str) -> list[str]:
+    """Return the cells of a sheet that have a comment, such as "C4"."""
+    folder, name = split(book.sheets[sheet])
+    if join(folder, "_rels", f"{name}.rels") not in book.archive.NameToInfo:
+        return []
+    parts = [
+        part for kind, part in _related(book.path, book.archive, book.sheets[sheet]).values() if kind == "comments"
+    ]
+    tags = (tag for part in parts for tag in _tags(book.path, book.archive, part))
+    return [attributes["ref"] for name, attributes, _ in tags if name == "comment"]
+
+
+def _tags(path: Path, archive: Archive, part: str) -> Iterator[Tag]:
     """Yield the tags of a part of a workbook, their names without the namespace."""
     tags: list[Tag] = []
     pieces: list[str] = []
@@ -133,10 +161,11 @@ def _tags(path: Path, archive: ZipFile, part: str) -> Iterator[Tag]:
         for chunk in iter(partial(stream.read, CHUNK), b""):
             parser.Parse(chunk)
             count, length = count + len(tags), length + len(chunk)
-            if length > MAX_UNPACKED:
+            archive.tags, archive.bytes = archive.tags - len(tags), archive.bytes - len(chunk)
+            if archive.bytes < 0:
                 raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
             is_unfinished = length - parser.CurrentByteIndex > MAX_TAG or len(pieces) > MAX_PIECES
-            if count > MAX_TAGS or len(names) > MAX_NAMES or depth > MAX_DEPTH or is_unfinished:
+            if count > MAX_TAGS or archive.tags < 0 or len(names) > MAX_NAMES or depth > MAX_DEPTH or is_unfinished:
                 raise mistake(path, "", "must be a workbook with fewer or shorter cells; save the sheet as CSV")
             yield from tags
             tags.clear()
@@ -144,7 +173,7 @@ def _tags(path: Path, archive: ZipFile, part: str) -> Iterator[Tag]:
     yield from tags
 
 
-def _related(path: Path, archive: ZipFile, part: str) -> dict[str, tuple[str, str]]:
+def _related(path: Path, archive: Archive, part: str) -> dict[str, tuple[str, str]]:
     """Return the kind and the name of each part that a part, or "" for the whole workbook, refers to, by their ids."""
     folder, name = split(part)
     return {
@@ -157,7 +186,7 @@ def _related(path: Path, archive: ZipFile, part: str) -> dict[str, tuple[str, st
     }
 
 
-def _shared_texts(path: Path, archive: ZipFile, part: str) -> Iterator[str]:
+def _shared_texts(path: Path, archive: Archive, part: str) -> Iterator[str]:
     """Yield the texts to which cells refer by their places."""
     is_reading, pieces, left = True, list[str](), MAX_CHARACTERS
     for name, _, text in _tags(path, archive, part):
@@ -174,19 +203,24 @@ def _shared_texts(path: Path, archive: ZipFile, part: str) -> Iterator[str]:
             raise mistake(path, "", f"must have at most {MAX_CHARACTERS:,} characters")
 
 
-def _dates(path: Path, archive: ZipFile, part: str) -> Iterator[bool]:
-    """Yield whether each style of cells shows dates or times."""
-    formats, is_of_cells = {*map(str, _DATES)}, False
+def _styles(path: Path, archive: Archive, part: str) -> Iterator[tuple[bool, bool]]:
+    """Yield whether each style of cells shows dates or times, and whether it strikes texts through."""
+    formats, struck, is_of_cells = {*map(str, _DATES)}, list[bool](), False
     for name, attributes, _ in _tags(path, archive, part):
         match name:
             case "numFmt":
                 code = _LITERAL.sub("", attributes["formatCode"]).partition(";")[0].lower()
                 if {*code} & {*"dmyhs"}:
                     formats.add(attributes["numFmtId"])
+            case "font":
+                struck.append(False)
+            case "strike" if struck:
+                struck[-1] = attributes.get("val", "1") in ("1", "true")
             case "cellXfs" | "/cellXfs":
                 is_of_cells = name == "cellXfs"
             case "xf" if is_of_cells:
-                yield attributes.get("numFmtId") in formats
+                font = int(attributes.get("fontId", 0))
+                yield attributes.get("numFmtId") in formats, 0 <= font < len(struck) and struck[font]
 
 
 @lru_cache(MAX_COLUMNS)
@@ -212,7 +246,7 @@ def _text(book: Workbook, kind: str, style: int, value: str) -> str:
     if kind != "n" or not value:
         return value
     number = float(value) if {*".eE"} & {*value} else int(value)
-    if 0 <= style < len(book.dates) and book.dates[style]:
+    if 0 <= style < len(book.styles) and book.styles[style][0]:
         with suppress(OverflowError, ValueError):
             moment = book.first_day + timedelta(days=number)
             return str(moment if number >= 1 else moment.time())  # of a time of day

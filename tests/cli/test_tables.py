@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import armour
 from armour import load_scenario, plan_shots, read_shots
 
 SHOTS = "velocity_m_s,result,shot\n700,partial,1\n715,complete,{}\n710,partial,3\n725,complete,4\n"
@@ -40,7 +41,7 @@ def test_an_open_quote_is_refused(cli, folder: Path, text: str, arguments: list[
     (folder / "t.csv").write_text(text.format(cell))
     (folder / "s.toml").write_text(SUITE)
     [line] = cli.fails(2, *arguments)
-    assert line == "t.csv: line 3: must close each quote on its line, before a comma or the end of the line"
+    assert line.startswith("t.csv: line 3: must close each quote on its line, before a comma or the end of the line;")
     assert (folder / "t.csv").read_text() == text.format(cell)
     assert not (folder / "made.csv").exists()
 
@@ -57,9 +58,65 @@ def test_how_a_table_was_read_is_said_once(cli, folder: Path):
         noun = "tests" if words[0] == "calibrate" else "shots"
         [line] = [line for line in cli(*words, "--where", "panel=A").stderr.splitlines() if line.startswith("read ")]
         assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
-    [line] = cli.fails(2, "v50", "t.csv")
-    assert line.startswith("t.csv: Panel: must be the same for all shots, found A (2 shots) and B (2 shots)")
-    assert line.endswith("choose one: --where Panel=A, or --each for one answer each")
+    line, way_on = cli.fails(2, "v50", "t.csv")
+    assert line.startswith(
+        "t.csv: Panel: divides the shots: A (2 shots), B (2 shots); --where Panel=A chooses, --each an"
+    )
+    assert way_on.endswith(" --where Panel=A")
+
+
+def test_a_column_that_is_not_read_may_be_chosen_by_or_ignored(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,unfair hit\n700,P,\n730,C,\n715,P,\n800,P,x\n")
+    for words in (["v50", "t.csv"], ["plan", "shots", "t.csv", *SOON], ["calibrate", "t.csv", "wilkins"]):
+        line, way_on = cli.fails(2, *words)
+        assert line.startswith("t.csv: unfair hit: is not read and divides the ")
+        assert way_on.endswith(" --where 'unfair hit='")
+        assert " unfair hit blank" in cli(*words, "--where", "unfair hit=").stderr
+        assert " 4 " in cli(*words, "--ignore", "unfair hit").stderr
+
+
+def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
+    (folder / "s.toml").write_text(SUITE + "band = 0.5\n")
+    head, *rows = TESTS.format("b").splitlines()
+    (folder / "t.csv").write_text(
+        "\n".join([f"{head},gun,remark", f"{rows[0]},A,edge hit", f"{rows[1]},A,", f"{rows[2]},B,"])
+    )
+    assert 'remark, which is not read, says "edge hit" in line 2' in cli("validate", "s.toml").stderr
+
+
+def test_a_shot_whose_cell_would_divide_the_table_is_not_added(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,round\n700,P,M2\n730,C,M2\n")
+    before = (folder / "t.csv").read_text()
+    shot = ["plan", "shots", "t.csv", *SOON, "--result", "P", "--velocity-m-s", "715"]
+    assert "round: is not read and divides the shots: M2 (2 shots), blank (1 shot)" in cli.fails(2, *shot)[0]
+    assert (folder / "t.csv").read_text() == before
+    cli(*shot, "--where", "round=M2")
+    assert (folder / "t.csv").read_text() == before + "715,P,M2\n"
+
+
+def test_labels_of_cases_are_kept_as_they_are(cli, folder: Path):
+    (folder / "t.csv").write_text("offer,armour.ceramic_thickness_mm,price\nA,6,0420.50\nB,8,=1+1\n")
+    sweep = ["sweep", "wilkins", "--cases", "t.csv", "-o", "made.csv", "--quantities", "areal_density_kg_m2"]
+    assert "--keep offer keeps it as a label, unused" in cli.fails(2, *sweep)[0]
+    assert "2 rows, offer, price kept unused" in cli(*sweep, "--keep", "price", "--keep", "offer").stderr
+    first, *rows = (folder / "made.csv").read_text().splitlines()
+    assert first == "offer,price,armour.ceramic_thickness_mm,areal_density_kg_m2"
+    assert [row.split(",")[:3] for row in rows] == [["A", "0420.50", "6.0"], ["B", "'=1+1", "8.0"]]
+    cases = {"offer": ["A", "B"], "armour.ceramic_thickness_mm": [6.0, 8.0]}
+    result = armour.sweep(armour.load_scenario("wilkins"), cases=cases, keep="offer", quantities="areal_density_kg_m2")
+    assert [*result.columns] == ["offer", "armour.ceramic_thickness_mm", "areal_density_kg_m2"]
+    assert result["offer"].tolist() == ["A", "B"]
+    for keep, message in (
+        ("price", 'keep: must name a column, found "price"'),
+        ("areal_density_kg_m2", "a quantity to"),
+    ):
+        with pytest.raises(armour.InputError, match=message):
+            armour.sweep(
+                armour.load_scenario("wilkins"),
+                cases={**cases, "areal_density_kg_m2": ["1", "2"]},
+                keep=["offer", keep],
+                quantities="areal_density_kg_m2",
+            )
 
 
 def test_an_answer_for_each_panel(cli, folder: Path):

@@ -57,6 +57,7 @@ def test_a_shot_that_repeats_another_is_another_shot(tmp_path: Path):
         ('Shot,Velocity (ft/s),Result\n1,"2,757",PP\n', "utf-8", "2,2460.62992,CP\n"),
         ("v (ft/s);Ergebnis\n2.757;Kein Durchschlag\n", "utf-8", "2460,62992;Durchschlag\n"),
         ("v (m/s);Durchschlag;valid;Panel\n735,5;;x;A\n755,5;x;x;A\n", "utf-8", "750;x;x;A\n"),
+        ("velocity_m_s,result,counts\n735.5,P,\n800,C,no\n", "utf-8", "750,C,\n"),
         ("v (m/s),v (ft/s),PP,CP\n700,2296.6,x,\n800,2624.7,,x\n", "utf-8", "750,2460.62992,,x\n"),
         ("v (m/s);Ergebnis;ung\u00fcltig\n735,5;kein Durchschlag;nein\n", "utf-8", "750;Durchschlag;nein\n"),
     ],

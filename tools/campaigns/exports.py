@@ -2,7 +2,9 @@
 
     python -m tools.campaigns.exports [--tables N] [--seed N]
 
-A table that is refused is counted; one that is read to other numbers, results or rows is wrong.
+A table is read, or read with its remarks quoted, or refused as a column divides its shots; it is then right once this
+column is chosen by or ignored. One that is read to other numbers, results or rows is wrong, and so is a remark by which
+a shot does not count, if it is not quoted.
 """
 
 import sys
@@ -11,29 +13,11 @@ from collections import Counter
 from pathlib import Path
 from random import Random
 
-import armour
-from armour.errors import InputError
-from tests.helpers.spreadsheets import Export, export
+from tests.helpers.spreadsheets import export
 from tools.campaigns.verdict import asked, verdict
 
-# Least share of tables that are read, and the relative size of rounding.
-LEAST_READ, ROUNDING = 0.95, 1e-9
-
-
-def ends(table: Export, path: Path) -> str:
-    """Read a table; return how that ends."""
-    path.write_bytes(table.content)
-    try:
-        shots = armour.read_shots(path)
-    except InputError as error:
-        return f"refused: {error.problems[0].message.split(', found')[0]}"
-    expected = sorted(zip(table.velocities_m_s, table.complete, strict=True))
-    found = sorted(zip(shots.velocities_m_s, shots.complete, strict=True))
-    same = len(found) == len(expected) and all(
-        abs(v - w) <= ROUNDING * w and perforated == complete
-        for (v, perforated), (w, complete) in zip(found, expected, strict=True)
-    )
-    return "read" if same else "wrong"
+# Least share of tables that are read at once.
+LEAST_READ = 0.5
 
 
 def main() -> int:
@@ -42,12 +26,16 @@ def main() -> int:
     dice, counts = Random(options.seed), Counter[str]()
     with tempfile.TemporaryDirectory(prefix="campaign-") as folder:
         for _ in range(options.tables):
-            counts[ends(export(dice), Path(folder) / "shots.csv")] += 1
+            counts[export(dice).ends(Path(folder) / "shots.csv")] += 1
     for ending, count in counts.most_common():
         print(f"{count} {ending}", flush=True)
-    refused = options.tables - counts["read"] - counts["wrong"]
-    text = f"{options.tables:,} tables: {counts['read']:,} read, {refused:,} refused, {counts['wrong']} wrong"
-    return verdict(text, right=not counts["wrong"] and counts["read"] >= LEAST_READ * options.tables)
+    endings = ("read", "quoted", "refused", "asked")
+    wrong = options.tables - sum(counts[ending] for ending in endings)
+    shares = ("read", "with remarks quoted", "refused with cause", "right after `--ignore`")
+    words = ", ".join(f"{counts[ending]:,} {share}" for ending, share in zip(endings, shares, strict=True))
+    text = f"{options.tables:,} tables: {words}, {wrong} wrong"
+    is_enough = counts["read"] + counts["quoted"] >= LEAST_READ * options.tables
+    return verdict(text, right=not wrong and is_enough)
 
 
 if __name__ == "__main__":

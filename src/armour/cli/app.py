@@ -18,9 +18,9 @@ from armour.cli import experiments, scenario_commands, suites
 from armour.cli.console import discard, emit, say
 from armour.cli.library import init, library, schema
 from armour.cli.options import flag
-from armour.cli.runner import NO_ANSWER, with_lines
+from armour.cli.runner import NO_ANSWER, command_line, propose, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
-from armour.files import reason
+from armour.files import reason, shell_line
 from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
@@ -94,6 +94,8 @@ def _reported() -> Iterator[None]:
         yield
     except InputError as error:
         say(*_located(error.problems))
+        if error.options:
+            propose(f"{command_line()} {shell_line(error.options)}")
         raise typer.Exit(WRONG_INPUT) from None
     except ArmourError as error:
         say(str(error))

@@ -36,7 +36,8 @@ from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
 
 WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
-SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
+SHEET = option("Sheet of a workbook, by default the only visible one with a table.", metavar="NAME")
+IGNORE = option("Count all rows whatever this column, which is not read, says of them; repeatable.", metavar="COLUMN")
 EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
 REQUIREMENT_FRACTION = number_option(
     "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50; "
@@ -86,6 +87,7 @@ def v50(
     curve: Path | None = file_option("Write the recommended curve with its confidence band as CSV."),
     plot: Path | None = PLOT,
     where: list[str] | None = WHERE,
+    ignore: list[str] | None = IGNORE,
     each: bool = EACH,
     sheet: str | None = SHEET,
     force: bool = FORCE,
@@ -128,10 +130,10 @@ def v50(
         if each:
             files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
             check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
-            found: Any = each_result(estimate, table, chosen(where), sheet)
+            found: Any = each_result(estimate, table, chosen(where), sheet, ignore or ())
             results, unanswered, file = [*found.results.values()], found.unanswered, str(table)
         else:
-            fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
+            fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet, ignore=ignore or ())
             found = estimate(say_how_read(table, fired))
             results, unanswered = [found], {}
             file = ", ".join([fired.file, *([loaded.file] if loaded else [])])
@@ -178,6 +180,7 @@ def calibrate(
     lot: str | None = option("Lot tested, after which written entries are named; required with them.", metavar="NAME"),
     csv: Path | None = file_option("Write measured and computed values as CSV."),
     where: list[str] | None = WHERE,
+    ignore: list[str] | None = IGNORE,
     sheet: str | None = SHEET,
     plot: Path | None = PLOT,
     force: bool = FORCE,
@@ -205,7 +208,8 @@ def calibrate(
         raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
 
     with progress("tests") as count, runner.as_options("calibrate"):
-        tests = say_how_read(table, armour.read_tests(table, loaded, where=chosen(where), sheet=sheet))
+        tests = armour.read_tests(table, loaded, where=chosen(where), sheet=sheet, ignore=ignore or ())
+        say_how_read(table, tests)
         result = armour.calibrate(tests, loaded, on_progress=count, **given(fit=fit, law=law))
     files: Files = {
         csv: lambda _: rows_csv(result),
@@ -312,6 +316,7 @@ def plan_shots(
     ),
     velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
     where: list[str] | None = WHERE,
+    ignore: list[str] | None = IGNORE,
     each: bool = EACH,
     sheet: str | None = SHEET,
     plot: Path | None = PLOT,
@@ -366,7 +371,7 @@ def plan_shots(
         prior=prior,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        earlier=firings.earlier_firings(earlier or ()),
+        earlier=firings.earlier_firings(earlier or (), ignore or ()),
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
         simulate=simulate,
         true_v50_m_s=true_v50_m_s,
@@ -379,10 +384,12 @@ def plan_shots(
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
             if result is None or table is None:
-                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each=each)
+                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each=each)
                 notes = planned.notes
             else:
-                planned, notes, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+                planned, notes, files = firings.plan_after(
+                    plan, stack, table, result, velocity_m_s, chosen(where), ignore or ()
+                )
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
         answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if not each and planned.next_velocity_m_s is not None and not is_fired:

@@ -22,7 +22,11 @@ FAR_FROM_PLAN = 0.1
 
 
 def each_result(
-    answer: Callable[[Shots], Result], table: Path, where: Mapping[str, str], sheet: str | None
+    answer: Callable[[Shots], Result],
+    table: Path,
+    where: Mapping[str, str],
+    sheet: str | None,
+    ignore: Sequence[str],
 ) -> EachResult:
     """Call `answer` with the shots at each target in a table; name each result by column and value, as "panel A".
 
@@ -30,13 +34,13 @@ def each_result(
     do not stop the others.
     """
     results, unanswered = {}, {}
-    targets = firings_of(table, where, sheet)
+    targets = firings_of(table, where, sheet, ignore)
     if not targets:
         message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
         raise mistake(table, "--each", message)
     for name, value in targets:
         chosen = {**where, name: value}
-        fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet))
+        fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore))
         try:
             results[f"{name} {value}"] = answer(fired)
         except NoAnswerError as error:
@@ -48,17 +52,26 @@ def each_result(
     return EachResult(results, unanswered)
 
 
-def earlier_firings(tables: Sequence[Path]) -> list[Shots]:
+def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots]:
     """Read earlier firings: each table is one, or several if it has shots at several targets."""
-    return [
-        say_how_read(table, armour.read_shots(table, where=chosen))
-        for table in tables
-        for chosen in [{name: value} for name, value in firings_of(table, {}, None, least=2)] or [{}]
-    ]
+    try:
+        return [
+            say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
+            for table in tables
+            for chosen in [{name: value} for name, value in firings_of(table, {}, None, ignore, least=2)] or [{}]
+        ]
+    except InputError as error:
+        raise InputError(error.problems) from None  # --where is of another table
 
 
 def next_plan(
-    plan: Callable[..., ShotPlan], table: Path | None, where: Mapping[str, str], sheet: str | None, *, each: bool
+    plan: Callable[..., ShotPlan],
+    table: Path | None,
+    where: Mapping[str, str],
+    sheet: str | None,
+    ignore: Sequence[str],
+    *,
+    each: bool,
 ) -> EachResult | ShotPlan:
     """Return what `plan` returns for the shots of a table or, with `each`, for those at each target in it.
 
@@ -70,10 +83,11 @@ def next_plan(
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
     if each:
-        return each_result(plan, table, where, sheet)
+        return each_result(plan, table, where, sheet, ignore)
     if is_new:
         return plan(None)
-    return plan(say_how_read(table, armour.read_shots(table, one_kind=True, where=where, sheet=sheet)))
+    fired = armour.read_shots(table, one_kind=True, where=where, sheet=sheet, ignore=ignore)
+    return plan(say_how_read(table, fired))
 
 
 def plan_after(
@@ -83,6 +97,7 @@ def plan_after(
     result: str,
     velocity_m_s: float | None,
     where: Mapping[str, str],
+    ignore: Sequence[str],
 ) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
 
@@ -96,7 +111,7 @@ def plan_after(
     earlier_content = content_of(table)
     fired = Shots((), (), str(table))
     if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=where)
+        fired = armour.read_shots(table, one_kind=True, where=where, ignore=ignore)
     before = plan(fired)
     planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
     velocity = planned if velocity_m_s is None else velocity_m_s
@@ -110,7 +125,7 @@ def plan_after(
         notes.append(Note(words))
     content = with_shot(table, velocity, result, where)
     source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where)))
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
 

@@ -82,7 +82,7 @@ REQUIRED_PROBABILITY = number_option(
 )
 BY_MODEL = flag("Answer by the model alone, as if no tests were known; no probability may be required.", "--by-model")
 CONFIDENCE = option("Another name of --probability.", metavar="NUMBER", parser=share, hidden=True)
-SHEET = option("Sheet of a workbook of cases, by default the first.", metavar="NAME")
+SHEET = option("Sheet of a workbook of cases, by default the only visible one with a table.", metavar="NAME")
 KEEP = option("Column of the cases to keep as a label, such as the name of an offer; repeatable.", metavar="COLUMN")
 PLOT = file_option("Draw the result to a .png, .svg or .pdf file.")
 FORCE = flag("Replace existing files.", "--force")

@@ -459,6 +459,7 @@ def sweep(
         "gives their values, such as SiC."
     ),
     sheet: str | None = SHEET,
+    keep: list[str] | None = KEEP,
     quantities: str | None = option(
         "Quantities to compute, from the list below; by default the ballistic limit or, without -o, limits, "
         "probability and verdict.",
@@ -498,11 +499,12 @@ def sweep(
         ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
         ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
         ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
+        ("--keep", cases is None and keep, "must be given with --cases"),
         ("--plot", plot and names[0] in WORDS, f"must be given with a number first in --quantities, found {names[0]}"),
         ("--scheduler", scheduler and output is None, "must be given with -o"),
     )
     with runner.as_options("sweep"):
-        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet)
+        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet, keep or ())
         if output is None:
             sweeping.show_rows(loaded, source, names, plot, threads=threads, as_json=as_json)
             return

@@ -23,9 +23,9 @@ ANSWERED = (LIMIT, "expected_limit_m_s", "probability_of_stopping", VERDICT)
 MOST_SHOWN = 1000
 
 
-def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
+def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = ()) -> SweepCases:
     """Open a table of cases, and say how it was read if that was not obvious; `sheet` is that of a workbook."""
-    cases = SweepCases(file, sheet)
+    cases = SweepCases(file, sheet, keep)
     if cases.read:
         say(f"read {file}: {cases.read}")
     return cases

@@ -50,7 +50,7 @@ def read_offers(
         for name in keep
         if name not in source.header
     )
-    found = read_rows(source, kind)
+    found = read_rows(source, kind, closed=False)  # each offer is checked by itself
     names = {column.key: name for name, column in zip(source.header, columns_of(source.header, kind.keys), strict=True)}
     if PLATE in names and MATERIALS[BACKING] not in names:
         names[MATERIALS[BACKING]] = names.pop(PLATE)

@@ -279,6 +279,8 @@ def plan_shots(
     """
     shots = shots or Shots((), ())
     v50.check_shots(shots, kinds=0)
+    if requirement_m_s is not None:
+        v50.refuse_remarks(shots)
     for firing in earlier:
         v50.check_shots(instance(firing, Shots))
     for firing in (shots, *earlier):

@@ -11,7 +11,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from armour.columns import COUNT_KEYS, GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
-from armour.csv_files import SEPARATORS, decimal_mark, no_crosses, open_table, place_of
+from armour.csv_files import SEPARATORS, decimal_mark, no_crosses, open_table, places_of
 from armour.errors import mistake
 from armour.files import reason
 from armour.statistics.v50 import Shots, is_of_shots
@@ -75,7 +75,8 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
             mark = decimal_mark(cells, column, source.form) if {",", "."} & {*"".join(cells)} else usual
             row[place] = _number(velocity_m_s, column.factor).replace(".", mark or ".")
     for name, value in (where or {}).items():
-        row[place_of(source, columns, name)] = value
+        for place in places_of(source, columns, name):
+            row[place] = value
     utf16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
     encoding = utf16 or ("cp1252" if "Windows-1252" in source.form else "utf-8")
     end = "\r\n" if "\r\n".encode(encoding) in content else "\n"

@@ -16,14 +16,14 @@ from armour.csv_files import (
     Source,
     TableKind,
     TableRead,
-    check_one_target,
+    by_values,
     not_filled,
     open_table,
     read_rows,
+    targets_of,
     wrong_result,
 )
-from armour.errors import InputError, counted, joined, listed, mistake
-from armour.files import shell_word
+from armour.errors import InputError, counted, joined
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -153,6 +153,7 @@ def read_tests(
     *,
     where: Mapping[str, str] | None = None,
     sheet: str | None = None,
+    ignore: Names = (),
 ) -> Tests:
     """Read a table of tests: inputs that differ from test to test, and measurements.
 
@@ -172,7 +173,9 @@ def read_tests(
     where : mapping of str to str, optional
         Columns, such as ``panel``, and the values of the rows to read; others are left out.
     sheet : str, optional
-        Sheet of a workbook, by default the first.
+        Sheet of a workbook, by default the only visible one with a table.
+    ignore : str or sequence of str, optional
+        Columns that are not read whatever they say of the tests; all tests count.
 
     Returns
     -------
@@ -192,8 +195,25 @@ def read_tests(
     <Tests: 1 test of rows, 1 measurement>
     """
     notes = tuple(notes)
-    source, bounds = _without_bounds(open_tests(path, notes, sheet))
-    table = read_rows(source, TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL), where)
+    return read_open_tests(open_tests(path, notes, sheet), scenario, notes, where, (*ignore,))
+
+
+def read_open_tests(
+    source: Source,
+    scenario: Scenario,
+    notes: Sequence[str],
+    where: Mapping[str, str] | None = None,
+    ignore: Sequence[str] = (),
+    *,
+    closed: bool = True,
+) -> Tests:
+    """Return the tests of an open table; arguments and errors are those of `read_tests`.
+
+    If the table is not ``closed``, columns that are not read may divide the tests.
+    """
+    source, bounds = _without_bounds(source)
+    kind = TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL)
+    table = read_rows(source, kind, where, ignore=ignore, closed=closed)
     file, rows = table.file, table.rows
     for row in (row for row in rows if row.place in bounds):
         if {VELOCITY, OUTCOME} & row.texts.keys():
@@ -218,13 +238,13 @@ def read_tests(
     if len(uncertainties_given) == 2:
         source.wrong("", "uncertainties must be given for every measurement and outcome, or for none")
     groups = _groups(rows, scenario, source)
+    results = [perforates(row.texts.get(OUTCOME, "")) for row in rows]
+    are_shots = all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows)
+    for name, values in table.groups.items() if closed else ():
+        is_lot = column_of(name, ("lot",)).known
+        if len({*values}) > 1 and (is_lot or (are_shots and targets_of(table, name, results))):
+            source.divided(name, *by_values(name, values, "test"))
     source.refuse()
-    if all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows):
-        check_one_target(table, [perforates(row.texts[OUTCOME]) for row in rows])
-    for name, lots in table.groups.items():
-        if len({*lots}) > 1 and column_of(name, ("lot",)).known:
-            found, choice = listed([lot or "none" for lot in dict.fromkeys(lots)]), shell_word(f"{name}={lots[0]}")
-            raise mistake(file, name, f"must be the same for all tests, found {found}; choose one: --where {choice}")
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     is_weighted = uncertainties_given == {True}

@@ -16,9 +16,9 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Note, mistake
+from armour.errors import Note, Problem, mistake, refuse
 from armour.foreign import items
-from armour.scenario.checked import Table, checked, is_number, several
+from armour.scenario.checked import Names, Table, checked, is_number, several
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
@@ -88,7 +88,7 @@ class Shots:
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
         out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given, and
-        ``warnings`` of columns that probably should be read.
+        ``warnings`` with the remarks in columns that were not read.
     """
 
     velocities_m_s: tuple[float, ...]
@@ -322,7 +322,12 @@ class FiringResult(TableResult):
 
 @checked
 def read_shots(
-    path: Table, *, one_kind: bool = False, where: Mapping[str, str] | None = None, sheet: str | None = None
+    path: Table,
+    *,
+    one_kind: bool = False,
+    where: Mapping[str, str] | None = None,
+    sheet: str | None = None,
+    ignore: Names = (),
 ) -> Shots:
     """Read firing results.
 
@@ -333,15 +338,18 @@ def read_shots(
         mapping by column, columns by name, or a data frame of pandas or polars.
         Its columns are ``velocity_m_s``, ``result`` ("partial" or "complete", "stopped" or "perforated", P or C,
         PP or CP, no or yes, in letters of any case), optionally ``shot`` and ``counts`` (yes or no); the page "Tables"
-        has other names and units.  Other columns are ignored, but one like a misspelling of these is an error.
+        has other names and units.  Another column must not divide the shots, as one of operators does, and a remark in
+        it is a warning of `v50` and of `plan_shots`, which decide on no requirement over it.
     one_kind : bool
         Whether to accept shots of one kind only, all partial or all complete penetrations, or no shots yet; they are
         enough for a plan and for a posterior.
     where : mapping of str to str, optional
         Columns, such as ``panel``, and the values of the rows to read; others are left out.  It must be given if a
-        column of panels, targets, plates, laboratories or lots divides the shots into several firings.
+        column divides the shots into several firings.
     sheet : str, optional
-        Sheet of a workbook, by default the first.
+        Sheet of a workbook, by default the only visible one with a table.
+    ignore : str or sequence of str, optional
+        Columns that are not read whatever they say of the shots; all shots count.
 
     Returns
     -------
@@ -352,7 +360,17 @@ def read_shots(
     InputError
         With every mistake in the file.
     """
-    return shots_of(csv_files.open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where)
+    return shots_of(csv_files.open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where, ignore=ignore)
+
+
+def refuse_remarks(shots: Shots) -> None:
+    """Raise an InputError if a column that is not read has remarks on shots: no requirement is decided over them."""
+    refuse(
+        Problem(
+            shots.file, "", f"{remark}; for a requirement, leave shots out by a column counts, or --ignore this one"
+        )
+        for remark in (shots.read.warnings if shots.read else ())
+    )
 
 
 def is_of_shots(name: str) -> bool:
@@ -360,7 +378,9 @@ def is_of_shots(name: str) -> bool:
     return column_of(name, SHOT_COLUMNS).known
 
 
-def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None) -> Shots:
+def shots_of(
+    source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None, ignore: Names = ()
+) -> Shots:
     """Return the shots of an open table; arguments and errors are those of `read_shots`."""
     column_keys = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
     if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in column_keys and not {*KEYS} <= column_keys):
@@ -369,7 +389,7 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
         )
         raise mistake(source.file, "", message)
     least = 0 if one_kind else 1
-    table = csv_files.read_rows(source, SHOTS, where, least)
+    table = csv_files.read_rows(source, SHOTS, where, least, (*ignore,))
     rows = table.rows
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
@@ -383,21 +403,25 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
             source.wrong(f"{row.place}: velocity_m_s", f"{message}; is it in m/s?")
         if result is None:
             source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
+    for name, values in table.groups.items():
+        if len({*values}) > 1 and csv_files.targets_of(table, name, results):
+            source.divided(name, *csv_files.by_values(name, values, "shot", ", --each answers for each"))
     source.refuse()
-    csv_files.check_one_target(table, results, ", or --each for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
     shots = Shots((*velocities,), (*map(bool, results),), source.file, names if any(names) else (), table.read)
     check_shots(shots, kinds=0 if one_kind else 2)
     return shots
 
 
-def firings_of(path: Table, where: Mapping[str, str], sheet: str | None, least: int = 1) -> list[tuple[str, str]]:
+def firings_of(
+    path: Table, where: Mapping[str, str], sheet: str | None, ignore: Sequence[str] = (), least: int = 1
+) -> list[tuple[str, str]]:
     """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
 
     They are all values of the first column of which at least `least` are not serial numbers.
     """
     source = csv_files.open_table(path, is_of_shots, sheet)
-    table = csv_files.read_rows(source, SHOTS, where)
+    table = csv_files.read_rows(source, SHOTS, where, ignore=ignore, closed=least > 1)
     source.refuse()
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
@@ -467,6 +491,8 @@ def v50(
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         raise mistake("v50", "span_m_s", f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only")
     check_shots(shots, kinds=1 if prior else 2)
+    if requirement_m_s is not None:
+        refuse_remarks(shots)
     if prior and scenario is None:
         raise mistake("v50", "prior", "must be given with a scenario")
     if requirement_m_s is None and requirement_fraction != 0.5:

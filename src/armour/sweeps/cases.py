@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from armour import csv_files
 from armour.columns import Column, column_of
-from armour.errors import Problem, counted, mistake, refuse, restated
-from armour.files import csv_value
+from armour.errors import Problem, choices, counted, listed, mistake, refuse, restated
+from armour.files import csv_value, shell_word
 from armour.scenario.checked import is_name, is_number, several
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
 from armour.scenario.keys import key_name, parts_of
@@ -77,6 +77,10 @@ class Grid:
         indices = np.unravel_index(places, [len(axis.values) for axis in self.axes])
         return {axis.key: np.array(axis.values)[i] for axis, i in zip(self.axes, indices, strict=True)}
 
+    def labels(self, _places: NDArray[np.int64]) -> dict[str, Any]:
+        """Return no labels: only a table of cases has them."""
+        return {}
+
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem of the row `start + row`, named by the values of this row or by the key of an axis."""
         if problem.key in self.keys:
@@ -89,22 +93,34 @@ class Grid:
 class SweepCases:
     """Rows of a table whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
-    A file is read once.
+    Columns of the names in `keep` are labels, such as an offer or its price.  A file is read once.
     """
 
     axes: tuple[Axis, ...] = ()  # none: only a grid has axes
 
-    def __init__(self, table: str | PathLike[str] | csv_files.Rows, sheet: str | None = None) -> None:
+    def __init__(
+        self, table: str | PathLike[str] | csv_files.Rows, sheet: str | None = None, keep: Sequence[str] = ()
+    ) -> None:
         source = csv_files.open_table(table, _is_key, sheet, own=True)
         self.file = source.file
-        named = [(name, column_of(name, CASE_KEYS)) for name in source.header]
-        columns = [column if column.factor else Column(name) for name, column in named]
-        self.keys = tuple(column.key for column in columns)
-        for index, key in enumerate(self.keys):
+        named = [(name, column_of(name, CASE_KEYS)._replace(known=True)) for name in source.header]
+        columns = [
+            Column(name, known=False) if name in keep else column if column.factor else Column(name)
+            for name, column in named
+        ]
+        refuse(
+            Problem(self.file, "keep", f'must name a column, found "{name}"{choices(name, source.header)}')
+            for name in keep
+            if name not in source.header
+        )
+        names = tuple(column.key for column in columns)
+        self.kept = tuple(name for name in names if name in keep)
+        self.keys = tuple(name for name in names if name not in keep)
+        for index, key in enumerate(names):
             where = f"{source.place}: {key}" if key else source.place
             if not key:
                 raise mistake(self.file, where, f"must name a key in each column, found none in {index + 1}")
-            if self.keys.index(key) < index:
+            if names.index(key) < index:
                 raise mistake(self.file, where, "must be the name of one column, found several")
         self.count = 0
         blocks: list[tuple[Any, ...]] = []
@@ -114,28 +130,33 @@ class SweepCases:
             if self.count > MAX_CASES:
                 raise mistake(self.file, "", f"must have at most {MAX_CASES:,} rows, found more")
             refuse(
-                Problem(self.file, place, csv_files.wrong_width(cells, self.keys))
+                Problem(self.file, place, csv_files.wrong_width(cells, names))
                 for place, cells in block
-                if len(cells) != len(self.keys)
+                if len(cells) != len(names)
             )
+            source.check_marks(block)
             lines = np.array([int(place.rpartition(" ")[2]) for place, _ in block])
             blocks.append((lines, *_read(block, columns, marks, source)))
         if not self.count:
             raise mistake(self.file, "", "must have a header of keys and at least one row")
         self._lines, *values = map(np.concatenate, zip(*blocks, strict=True))
         self._place = "line" if source.place.startswith("line") else "row"
-        self._columns = dict(zip(self.keys, values, strict=True))
+        self._columns = dict(zip(names, values, strict=True))
         content = sha256()
-        for key, column in self._columns.items():
+        for key, column in ((key, self._columns[key]) for key in self.keys):
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        told, plain = source.told(counted(self.count, "row"))
+        told, plain = source.told(counted(self.count, "row"), [f"{listed(self.kept)} kept unused"] * bool(self.kept))
         self.read = "" if plain else told
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         """Return the rows at the indices `places`, (n,), as columns by key, (n,) each."""
-        return {key: column[places] for key, column in self._columns.items()}
+        return {key: self._columns[key][places] for key in self.keys}
+
+    def labels(self, places: NDArray[np.int64]) -> dict[str, Any]:
+        """Return the labels of the rows at the indices `places`, (n,), as columns by name, (n,) each."""
+        return {name: self._columns[name][places] for name in self.kept}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem of the row `start + row`, named by the line of this row in the table."""
@@ -152,14 +173,17 @@ def _read(
     arrays, places = [], [place for place, _ in block]
     for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
         key, values = column.key, list[Any]()
-        if key in NAMING:
-            values = [_name(cell) for cell in cells]
+        if key in NAMING or not column.known:
+            values = [_name(cell, least=1 if column.known else 0) for cell in cells]
             for place, cell, value in zip(places, cells, values, strict=True):
                 if value is None:
                     source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
         elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
             text = next(filter(None, cells))
-            source.wrong(f"{source.place}: {key}", f'must be a key of numbers, found "{text[:40]}"')
+            message = (
+                f'must be a key of numbers, found "{text[:40]}"; --keep {shell_word(key)} keeps it as a label, unused'
+            )
+            source.wrong(f"{source.place}: {key}", message)
         else:
             values, marks[key] = source.numbers(key, column, places, cells, marks.get(key), needed=True)
         arrays.append(np.array(values))
@@ -171,10 +195,10 @@ def _is_key(name: str) -> bool:
     return column_of(name, CASE_KEYS).known or re.match(r"[a-z_]+\.[^\s\d]", name) is not None
 
 
-def _name(cell: str) -> str | None:
-    """Return the name in a cell; None if it cannot be a name."""
+def _name(cell: str, least: int) -> str | None:
+    """Return the name in a cell; None if it has fewer than `least` or too many characters."""
     name = csv_value(cell)
-    return name if 0 < len(name) <= MAX_NAME else None
+    return name if least <= len(name) <= MAX_NAME else None
 
 
 def axis_of(text: str) -> Axis:
@@ -197,14 +221,18 @@ def axis_of(text: str) -> Axis:
 
 
 def source_of(
-    over: Mapping[str, object] | str | PathLike[str] | None, cases: str | PathLike[str] | csv_files.Rows | None = None
+    over: Mapping[str, object] | str | PathLike[str] | None,
+    cases: str | PathLike[str] | csv_files.Rows | None = None,
+    keep: Sequence[str] = (),
 ) -> Grid | SweepCases:
     """Return the rows of a sweep: a grid if `over` is a mapping, cases if it is a path or `cases` is given."""
     table = over if isinstance(over, str | PathLike) else cases
     if (over is None) == (cases is None):
         raise mistake("sweep", "over", "must be given, or cases, but not both")
     if table is not None:
-        return SweepCases(table)
+        return SweepCases(table, keep=keep)
+    if keep:
+        raise mistake("sweep", "keep", "must be given with cases")
     if not isinstance(over, Mapping) or not over:
         raise mistake("sweep", "over", "must contain at least one key with its values, found none")
     return Grid(tuple(axis(key, values) for key, values in over.items()))

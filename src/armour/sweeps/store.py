@@ -27,6 +27,7 @@ from time import time
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import PositiveInt, TypeAdapter
 
 from armour.errors import InputError, mistake, refuse
@@ -54,6 +55,8 @@ class Chunk(NamedTuple):
         return len(next(iter(self.columns.values())))
 
 
+# Returns labels of rows by name, (n,) each, given their indices, (n,).
+Labels = Callable[[NDArray[np.int64]], Mapping[str, Any]]
 # Before the values of a stored chunk: the job, and the number of rows of each warning.
 ABOUT = TypeAdapter(tuple[dict[str, str], dict[str, PositiveInt]])
 
@@ -145,17 +148,26 @@ class Store:
         self.done += chunk.rows
         self.warnings.update(chunk.warnings)
 
-    def finish(self, made_by: Mapping[str, str] | None = None) -> None:
-        """Write the table from all chunks; a Parquet file records ``made_by``, the program and command that made it."""
+    def finish(self, made_by: Mapping[str, str] | None = None, labels: Labels = lambda _places: {}) -> None:
+        """Write the table from all chunks, with labels of the rows.
+
+        A Parquet file records ``made_by``, the program and command that made it.
+        """
         with self._disk():
             with self._new.open("xb") as file:
-                columns = (chunk.columns for chunk in self._chunks())
-                write_table(file, columns, as_csv=is_csv(self.output), made_by=made_by)
+                write_table(file, self._labelled(labels), as_csv=is_csv(self.output), made_by=made_by)
                 file.flush()
                 os.fsync(file.fileno())
             self._check_output()
             self._new.replace(self.output)
         self._written = True
+
+    def _labelled(self, labels: Labels) -> Iterator[Mapping[str, Any]]:
+        """Yield the columns of each chunk, behind the labels of its rows."""
+        done = 0
+        for chunk in self._chunks():
+            yield {**labels(np.arange(done, done + chunk.rows)), **chunk.columns}
+            done += chunk.rows
 
     def _open(self) -> None:
         """Open and lock the database and count its rows; remove the first damaged chunk and all after it."""

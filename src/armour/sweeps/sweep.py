@@ -27,7 +27,7 @@ from armour.analysis.results import OnProgress, TableResult, ignore_progress, in
 from armour.design.check import evaluated
 from armour.design.requirements import VERDICTS
 from armour.engine.changes import changed_names
-from armour.errors import InputError, Note, choices, counted, duration, mistake
+from armour.errors import InputError, Note, Problem, choices, counted, duration, mistake, refuse
 from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
@@ -148,6 +148,7 @@ def sweep(
     output: str | PathLike[str] | None = None,
     *,
     cases: Table | None = None,
+    keep: Names = (),
     threads: Annotated[int, Field(ge=1)] | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> SweepResult:
@@ -168,6 +169,8 @@ def sweep(
     cases : path-like, data frame, mapping of columns or sequence of mappings, optional
         In place of ``over``, a table with a case in each row, whose columns are keys: a CSV file, a data frame, or
         columns by key.
+    keep : str or sequence of str, optional
+        Columns of the cases that are no keys, such as the name or the price of an offer; they are kept as texts.
     threads : int, optional
         Number of threads, by default one per core.
     on_progress : callable, optional
@@ -194,7 +197,7 @@ def sweep(
     names = tuple(quantities)
     if not names:
         raise mistake("sweep", "quantities", "must name at least one quantity, found none")
-    source = source_of(over, cases)
+    source = source_of(over, cases, (*keep,))
     if output is None:
         result = sweep_in_memory(scenario, source, names, threads, MAX_ROWS)
         on_progress(source.count, source.count)
@@ -224,9 +227,9 @@ def sweep_in_memory(
         raise mistake("sweep", "output", f"must be given for more than {most:,} rows, found {source.count:,}")
     check(scenario, source, quantities)
     check_rows(scenario, source)
-    columns, row_counts = chunk_of(scenario, source.rows(np.arange(source.count)), quantities, threads)
+    columns, row_counts = chunk_of(scenario, source.rows(places := np.arange(source.count)), quantities, threads)
     warnings = [*general_warnings(scenario, quantities), *row_warnings(row_counts, source.count)]
-    return _result(scenario, source, quantities, [*_omissions(source), *warnings], columns)
+    return _result(scenario, source, quantities, [*_omissions(source), *warnings], {**source.labels(places), **columns})
 
 
 def _omissions(source: Grid | SweepCases) -> list[str]:
@@ -306,7 +309,7 @@ def write_sweep(
                     for chunk in chunks:
                         store.append(chunk)
                         on_chunk(chunk.rows, False)
-            store.finish(made_by(scenario, command))
+            store.finish(made_by(scenario, command), source.labels)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"{store.done:,} of {source.count:,} rows are done; {RESUME}") from None
     for line in row_warnings(store.warnings, source.count):
@@ -366,6 +369,11 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
         raise mistake("sweep", "over", "must not name a key twice")
     first_row = {key: values[0].item() for key, values in source.rows(np.arange(1)).items()}
     check_keys(scenario, first_row, quantities, "sweep")
+    refuse(
+        Problem("sweep", "keep", f"must not name a quantity to compute, found {name}")
+        for name in source.labels(np.arange(1))
+        if name in quantities
+    )
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:

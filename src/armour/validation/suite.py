@@ -18,7 +18,7 @@ from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.keys import KeyPath, canonical, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed
 from armour.scenario.sections import every_problem
-from armour.statistics.measured import Measurement, open_tests, read_tests
+from armour.statistics.measured import Measurement, open_tests, read_open_tests
 from armour.validation.questions import QUESTIONS, check_answerable
 from armour.validation.suite_sections import (
     EXPECTED,
@@ -325,7 +325,7 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Map
     if not any(column_of(name, (table.quantity,)).known for name in source.header):
         # The message does not quote the columns found, since the file may be any file of the user.
         raise mistake(source.file, "", f"must be a table of tests with the column {table.quantity}")
-    tests = read_tests(path, common.scenario, notes)
+    tests = read_open_tests(source, common.scenario, notes, closed=False)
     refuse(
         Problem(tests.file, key_name(key), f"must not be a column, as {option}{key_name(key)} sets it")
         for option, values in (("set.", table.set), ("--set ", changes))
