@@ -58,7 +58,7 @@ def test_wrong_usage(cli, words: str):
 
 
 def test_the_program_alone_shows_its_commands(cli):
-    assert (cli().exit_code, cli().stdout) == (0, cli("--help").stdout)
+    assert (cli().exit_code, cli().stdout) == (0, cli("--help").stdout[:-1])
     lines = cli().stdout.splitlines()
     assert len(lines) <= 36
     assert max(map(len, lines)) <= 80

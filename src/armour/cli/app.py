@@ -157,11 +157,11 @@ def _version(is_given: bool) -> None:
 
 @app.callback()
 def _armour(
-    ctx: typer.Context, version: bool = flag("Show the version.", "--version", callback=_version, is_eager=True)
+    ctx: typer.Context, _version_asked: bool = flag("Show the version.", "--version", callback=_version, is_eager=True)
 ) -> None:
     """Predict whether a light ceramic/metal armour stops a projectile, and find the lightest armour that does."""
     if ctx.invoked_subcommand is None:
-        ctx.get_help()
+        ctx.get_help()  # which prints it
 
 
 plan = typer.Typer(cls=Reporting, no_args_is_help=True)
