@@ -577,7 +577,8 @@ class Tested(NamedTuple):
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
             return ""
-        ends = np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0
+        # Of a single thickness, both roundings.
+        ends = sorted((np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0))
         return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
 
 
