@@ -95,7 +95,7 @@ def v50(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Estimate V50 from firing results.
+    """Estimate V50 from shots.
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
@@ -188,7 +188,7 @@ def calibrate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Fit model inputs to tests.
+    """Fit the model to your tests.
 
     Examples
     --------
@@ -325,7 +325,7 @@ def plan_shots(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Plan the next shot of a V50 firing, given the shots so far.
+    """Plan the next shot of a V50 firing.
 
     The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
