@@ -284,6 +284,8 @@ def test_what_is_far_from_the_tests_is_told_with_what_was_tested():
         changed = case.replaced({CERAMIC: tile_mm, BACKING: 6.35})
         words = (f"{tile_mm:.4g} mm tile (tested 5.8 to 7.8 mm)",) * is_far
         assert far_from_tests(changed, armours_of(changed)) == words
+    single = tested._replace(thicknesses_mm={"tile": (5.86, 5.86)})
+    assert single.far("tile", 14.0) == "14 mm tile (tested 5.8 to 5.9 mm)"
     other = scenario("7.62 mm APM2", "SiC", "5083-H3")
     words = ("SiC (no test)", "5083-H3 (on 6061-T6)", "7.62 mm APM2 (with 7.62 mm AP)")
     assert {*words} <= {*far_from_tests(other, armours_of(other))}

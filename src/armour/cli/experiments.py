@@ -70,17 +70,15 @@ def v50(
         "each kind: 38.1, 27.432 or 18.288 (125, 90 or 60 ft/s). Required for other numbers of shots."
     ),
     confidence: Any = number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share),
-    prior: bool = flag(
-        "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
-    ),
+    prior: bool = flag("Add the posterior of V50, whose prior is the scenario's expected limit.", "--prior"),
     at_m_s: Any = number_option("Velocity, m/s, at which to give the probability of complete penetration."),
     fraction: Any = number_option(
         "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
         share,
     ),
     requirement_m_s: Any = number_option(
-        "Required velocity, m/s. Whether the armour's velocity exceeds it is decided by the shots alone, from "
-        "one-sided bounds, with a risk of about 1 minus the confidence."
+        "Required velocity, m/s. Whether the armour's velocity exceeds it is decided by the shots alone, "
+        "with a risk of about 1 minus the confidence."
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     csv: Path | None = file_option("Write the fitted curves as CSV."),
@@ -327,7 +325,7 @@ def plan_shots(
 ) -> None:
     """Plan the next shot of a V50 firing.
 
-    The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
+    The scenario's expected limit is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
 
     Examples

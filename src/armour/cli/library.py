@@ -98,7 +98,7 @@ def init(
     yes: bool = YES,
     force: bool = FORCE,
 ) -> None:
-    """Write a scenario, a suite, a table or a notebook to start from.
+    """Write a scenario, suite, table or notebook to start from.
 
     Examples
     --------

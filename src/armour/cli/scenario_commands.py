@@ -270,9 +270,8 @@ def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], wo
         return
     source = runner.source_word(scenario.file)
     line = f"{shell_line(['armour', command, source, *typed])} {words}".rstrip()
-    runner.propose(
-        line if len(line) <= LONGEST_NEXT else f"armour {command} {words} with the same scenario and options"
-    )
+    longer = " ".join(filter(None, ("armour", command, words, "with the same scenario and options")))
+    runner.propose(line if len(line) <= LONGEST_NEXT else longer)
 
 
 def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
@@ -322,7 +321,7 @@ def optimise(
     """Find the lightest armour that stops the threats.
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
-    Where no design is known to hold, the answer is the nearest one, with what it lacks, and the exit code 1.
+    Where no design is known to hold, the answer is the nearest one, with its verdict, and the exit code 1.
 
     Examples
     --------

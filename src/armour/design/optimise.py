@@ -490,7 +490,7 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[Note
             if thickness == end > 0.0:
                 smaller = OBJECTIVES[catalogue.section.minimise].less
                 yield Note(
-                    f"the best design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
+                    f"the design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
                     f"a {thinner} {name} may make the armour {smaller}",
                     key,
                 )
@@ -505,7 +505,7 @@ def _least_of_the_range(
         [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
         back_plates = f"back plates of {backings[0]:g} to" if len(backings) > 1 else "a back plate of"
         yield Note(
-            f"the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {back_plates} "
+            f"the least ceramic thickness of the range, {ceramic_min:g} mm, holds on {back_plates} "
             f"{backings[-1]:g} mm; less may be required there",
             key,
         )

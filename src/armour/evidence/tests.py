@@ -552,7 +552,8 @@ class Tested(NamedTuple):
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
             return ""
-        ends = np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0
+        # Of a single thickness, both roundings.
+        ends = sorted((np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0))
         return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
 
 
@@ -625,7 +626,7 @@ def limits_of_model(
         ratios, thicknesses_mm = least[is_thin], (least * p.D0 * armours.cosines / MM)[is_thin]
         words = too_thin(_ends(ratios, ".2g"), _ends(thicknesses_mm, ".2g"))
         ends = (float(end) for values in (ratios, thicknesses_mm) for end in (values.min(), values.max()))
-        yield Note(words, CERAMIC, said="caveat" * said, about=(TOO_THIN, *ends)), is_thin
+        yield Note(words, CERAMIC, said="far", about=(TOO_THIN, *ends)), is_thin
 
 
 def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str]:

@@ -192,7 +192,7 @@ class _Map:
         ceramic, backing = (offer.material for offer in self.catalogue.offers[self.grid.pair][:2])
         if not ceramic:
             return backing
-        ceramic += " (untested)" * self.catalogue.untested[self.grid.pair]
+        ceramic += " (no test)" * self.catalogue.untested[self.grid.pair]
         one_metal = len(self.catalogue.section.backing) == 1
         return ceramic if one_metal and layer == "ceramic" else f"{ceramic} on {backing}"
 

@@ -87,7 +87,8 @@ def reasons(threat: CheckedThreat) -> str:
         return f"{name}, {limit}"
     is_stopped = threat.verdict != "fails" and (threat.margin_m_s is None or threat.margin_m_s >= 0.0)
     by_model = f"{name} {'is stopped' if is_stopped else 'perforates'} by the model, {limit}"
-    return f"{threat.reason.partition(';')[0]}; {by_model}" if threat.verdict == "not known" else by_model
+    reason = threat.reason.partition(";")[0].partition(", which are of")[0]  # `far_from_tests` has what was tested
+    return f"{reason}; {by_model}" if threat.verdict == "not known" else by_model
 
 
 def _required(threat: CheckedThreat) -> str:
