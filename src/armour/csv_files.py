@@ -552,12 +552,12 @@ def _chosen(
     return lines
 
 
-def place_of(source: Source, columns: Sequence[Column], name: str) -> int:
-    """Return the index of the column that a name means."""
+def place_of(source: Source, columns: Sequence[Column], name: str, key: str = "where") -> int:
+    """Return the index of the column that a name means; a message about another name has the `key`."""
     for place, (header, column) in enumerate(zip(source.header, columns, strict=True)):
         if name == column.key or letters(name) == letters(header):
             return place
-    raise mistake(source.file, "where", f'must name a column, found "{name}"')
+    raise mistake(source.file, key, f'must name a column, found "{name}"')
 
 
 def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:
@@ -634,13 +634,15 @@ def number_as(cell: str, mark: str) -> float | None:
 def check_one_target(table: CsvTable, perforated: Sequence[bool | None], or_each: str = "") -> None:
     """Raise an InputError if the shots are at several targets, by a column such as panel.
 
-    `perforated` has the result of each shot, None if it is not known; `or_each` is added to the message.
+    `perforated` has the result of each shot, None if it is not known; `or_each`, with the name of the column, is added
+    to the message.
     """
     for name, values in table.groups.items():
         if len(targets := targets_of(table, name, perforated)) > 1:
             shots = joined([f"{value} ({counted(values.count(value), 'shot')})" for value in targets])
             choice = shell_word(f"{name}={targets[0]}")
-            message = f"must be the same for all shots, found {shots}; choose one: --where {choice}{or_each}"
+            message = f"must be the same for all shots, found {shots}; choose one: --where {choice}"
+            message += or_each.format(shell_word(name))
             raise mistake(table.file, name, message)
 
 

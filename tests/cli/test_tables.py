@@ -59,30 +59,27 @@ def test_how_a_table_was_read_is_said_once(cli, folder: Path):
         assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
     [line] = cli.fails(2, "v50", "t.csv")
     assert line.startswith("t.csv: Panel: must be the same for all shots, found A (2 shots) and B (2 shots)")
-    assert line.endswith("choose one: --where Panel=A, or --each for one answer each")
+    assert line.endswith("choose one: --where Panel=A, or --each Panel for one answer each")
 
 
 def test_an_answer_for_each_panel(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
     for words in (["v50", "t.csv"], ["plan", "shots", "wilkins", "t.csv", *SOON]):
-        found = json.loads(cli(*words, "--each", "--json").stdout)
-        assert [*found] == ["Panel A", "Panel B", "made_by"]
+        found = json.loads(cli(*words, "--each", "panel", "--json").stdout)
+        assert [*found] == ["Panel A", "Panel B", *["differences"] * (words[0] == "v50"), "made_by"]
         assert [found["Panel B"]["fired"]["complete"], found["Panel B"]["fired"]["names"]] == [
             [False, True],
             ["3", "4"],
         ]
         assert found["Panel B"]["fired"]["read"]["left_out"] == ["line 6"]
-        assert "Panel B: " in cli(*words, "--each").stdout
-        assert cli.fails(2, *words, "--each", "--plot", "x.svg") == [
+        assert "Panel B: " in cli(*words, "--each", "panel").stdout
+        assert cli.fails(2, *words, "--each", "panel", "--plot", "x.svg") == [
             "command line: --plot: must not be given with --each"
         ]
     for option in ("--csv", "--curve"):
-        told = cli.fails(2, "v50", "t.csv", "--each", option, "x.csv")
+        told = cli.fails(2, "v50", "t.csv", "--each", "panel", option, "x.csv")
         assert told == [f"command line: {option}: must not be given with --each"]
-    (folder / "one.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
-    assert (
-        "must have a column panel, target, plate, specimen, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
-    )
+    assert cli.fails(2, "v50", "t.csv", "--each", "Lot") == ['t.csv: --each: must name a column, found "Lot"']
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
         'command line: --where: must be COLUMN=VALUE, found the text "A"'
     ]
@@ -102,17 +99,17 @@ def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
         "panel D": "must have at least one partial and one complete penetration, found only complete ones; ",
     }
     for code, words in ((1, ()), (3, ("--requirement-m-s", "650"))):
-        shown, in_json = (cli("v50", "t.csv", "--each", *words, *form) for form in ((), ("--json",)))
+        shown, in_json = (cli("v50", "t.csv", "--each", "panel", *words, *form) for form in ((), ("--json",)))
         assert (shown.exit_code, in_json.exit_code) == (code, code)
         found = json.loads(in_json.stdout)
-        assert [*found] == ["panel A", *why, "made_by"]
+        assert [*found] == ["panel A", *why, "differences", "made_by"]
         assert found["panel A"]["decision"] == ("met" if words else "")
         for name, reason in why.items():
             assert f"\n{name}: {reason}" in shown.stdout
             assert found[name]["no_answer"].startswith(reason)
-    planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "--json").stdout)
+    planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "panel", "--json").stdout)
     assert [*planned] == ["panel A", "panel B", "panel C", "panel D", "made_by"]
-    assert cli.fails(2, "v50", "t.csv", "--each", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
+    assert cli.fails(2, "v50", "t.csv", "--each", "panel", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
 
 
 def test_each_panel_of_an_earlier_table_is_a_firing(cli, folder: Path):
@@ -125,7 +122,7 @@ def test_each_panel_of_an_earlier_table_is_a_firing(cli, folder: Path):
 
 def test_a_swapped_panel_stops_no_other_plan(cli, folder: Path):
     write_panels(folder, A="PPPCCC", B="CCCPPP")
-    shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "--json")
+    shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "panel", "--json")
     assert shown.exit_code == 1
     found = json.loads(shown.stdout)
     assert "fired" in found["panel A"]
@@ -155,7 +152,7 @@ def test_cases_of_an_export(cli, folder: Path):
 
 def test_options_of_tables_need_one(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
-    for option in (["--where", "panel=A"], ["--each"], ["--sheet", "x"]):
+    for option in (["--where", "panel=A"], ["--each", "panel"], ["--sheet", "x"]):
         assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
             f"command line: {option[0]}: must be given with SHOTS"
         ]
@@ -172,3 +169,17 @@ def test_a_sheet_with_only_a_header_is_a_firing_without_shots(cli, folder: Path)
     (folder / "t.csv").write_text("velocity_m_s,result\n")
     assert cli.fails(2, "v50", "t.csv") == ["t.csv: must have at least one row below its header"]
     assert cli.fails(2, "v50", "t.csv", "wilkins", "--prior") == ["t.csv: must have at least one shot, found none"]
+
+
+def test_two_lots_are_compared_at_one_level(cli, folder: Path):
+    """Any column may tell the lots apart; an end of an interval that the shots do not bound is named."""
+    shots = [(700, "P"), (710, "P"), (715, "C"), (720, "P"), (725, "C"), (730, "C"), (722, "P"), (735, "C")]
+    rows = [f"{v + by},{word},{name}\n" for name, by in (("old", 0), ("new", 60)) for v, word in shots]
+    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n" + "".join([*rows, "700,P,short\n", "720,C,short\n"]))
+    shown = " ".join(cli("v50", "t.csv", "--each", "kiln").stdout.split())
+    assert "V50 differs: Kiln new minus Kiln old +60 m/s, 95 % interval 8 to 112, p 0.045" in shown
+    assert "lot V50, m/s 95 % interval, m/s scatter, m/s" in shown
+    assert "Kiln short 710 not bounded" in shown
+    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n700,P,a\n720,C,\n")
+    [line] = cli.fails(2, "v50", "t.csv", "--each", "Kiln")
+    assert line == "t.csv: Kiln: must be filled in every row that counts, found blank cells in line 3"

@@ -37,7 +37,9 @@ from armour.scenario.keys import describe
 
 WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 SHEET = option("Sheet of a workbook, by default the first.", metavar="NAME")
-EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
+EACH = option(
+    "Give one answer for each value of this column, such as lot; v50 says how these differ.", metavar="COLUMN"
+)
 REQUIREMENT_FRACTION = number_option(
     "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50; "
     "by default 0.5.",
@@ -86,7 +88,7 @@ def v50(
     curve: Path | None = file_option("Write the recommended curve with its confidence band as CSV."),
     plot: Path | None = PLOT,
     where: list[str] | None = WHERE,
-    each: bool = EACH,
+    each: str | None = EACH,
     sheet: str | None = SHEET,
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
@@ -103,6 +105,7 @@ def v50(
     armour v50 tests/shots wilkins --plot v50.svg
     """
     from armour.cli.firings import each_result
+    from armour.statistics.v50 import compared
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
@@ -124,10 +127,11 @@ def v50(
         def estimate(fired: armour.Shots) -> armour.FiringResult:
             return armour.v50(fired, loaded, on_progress=count, **options)
 
-        if each:
+        if each is not None:
             files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
             check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
-            found: Any = each_result(estimate, table, chosen(where), sheet)
+            parts: Any = each_result(estimate, table, each, chosen(where), sheet)
+            found: Any = compared(parts.results, parts.unanswered)
             results, unanswered, file = [*found.results.values()], found.unanswered, str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet)
@@ -297,7 +301,7 @@ def plan_shots(
     ),
     velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
     where: list[str] | None = WHERE,
-    each: bool = EACH,
+    each: str | None = EACH,
     sheet: str | None = SHEET,
     plot: Path | None = PLOT,
     force: bool = FORCE,
@@ -322,7 +326,7 @@ def plan_shots(
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, "plan_shots")
     check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
-    is_fired, is_divided = result is not None, each or sheet is not None
+    is_fired, is_divided = result is not None, each is not None or sheet is not None
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
         ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
@@ -332,12 +336,12 @@ def plan_shots(
             f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}",
         ),
         ("--where", table is None and where, "must be given with SHOTS"),
-        ("--each" if each else "--sheet", table is None and is_divided, "must be given with SHOTS"),
+        ("--sheet" if each is None else "--each", table is None and is_divided, "must be given with SHOTS"),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
-        ("--plot", plot and each and not is_fired, "must not be given with --each"),
+        ("--plot", plot and each is not None and not is_fired, "must not be given with --each"),
         ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
         ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
-        ("--result", is_fired and is_divided, f"must not be given with {'--each' if each else '--sheet'}"),
+        ("--result", is_fired and is_divided, f"must not be given with {'--sheet' if each is None else '--each'}"),
     )
     if is_fired:
         check_outputs(plot=plot, updated=table, force=force)
@@ -364,11 +368,11 @@ def plan_shots(
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
             if result is None or table is None:
-                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each=each)
+                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each)
                 notes = planned.notes
             else:
                 planned, notes, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
         answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
-    if each and planned.unanswered:
+    if each is not None and planned.unanswered:
         raise typer.Exit(runner.NO_ANSWER)

@@ -1,4 +1,4 @@
-"""Answer questions on tables of shots: for each target separately, for the next shot, and after adding a shot."""
+"""Answer questions on tables of shots: for each value of a column, for the next shot, and after adding a shot."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
@@ -9,32 +9,28 @@ import armour
 from armour.analysis.results import EachResult, Result
 from armour.cli.console import say
 from armour.cli.runner import Files, say_how_read, wrong_option
-from armour.columns import GROUPS, perforates
+from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
-from armour.errors import InputError, NoAnswerError, Note, joined, mistake
+from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
 from armour.planning.shot_file import content_of, locked, with_shot
 from armour.scenario.keys import describe
-from armour.statistics.v50 import Shots, firings_of, is_of_shots, shots_of
+from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
 
 # Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
 
 
 def each_result(
-    answer: Callable[[Shots], Result], table: Path, where: Mapping[str, str], sheet: str | None
+    answer: Callable[[Shots], Result], table: Path, column: str, where: Mapping[str, str], sheet: str | None
 ) -> EachResult:
-    """Call `answer` with the shots at each target in a table; name each result by column and value, as "panel A".
+    """Call `answer` with the shots for each value of a column; name each result by column and value, as "panel A".
 
-    `where` has the values of columns that rows must have, and `sheet` is that of a workbook.  Shots that have no answer
-    do not stop the others.
+    `where` has the values of other columns that rows must have, and `sheet` is that of a workbook.  Shots that have no
+    answer do not stop the others.
     """
     results, unanswered = {}, {}
-    targets = firings_of(table, where, sheet)
-    if not targets:
-        message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
-        raise mistake(table, "--each", message)
-    for name, value in targets:
+    for name, value in lots_of(table, column, where, sheet):
         chosen = {**where, name: value}
         fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet))
         try:
@@ -53,14 +49,14 @@ def earlier_firings(tables: Sequence[Path]) -> list[Shots]:
     return [
         say_how_read(table, armour.read_shots(table, where=chosen))
         for table in tables
-        for chosen in [{name: value} for name, value in firings_of(table, {}, None, least=2)] or [{}]
+        for chosen in [{name: value} for name, value in firings_of(table)] or [{}]
     ]
 
 
 def next_plan(
-    plan: Callable[..., ShotPlan], table: Path | None, where: Mapping[str, str], sheet: str | None, *, each: bool
+    plan: Callable[..., ShotPlan], table: Path | None, where: Mapping[str, str], sheet: str | None, each: str | None
 ) -> EachResult | ShotPlan:
-    """Return what `plan` returns for the shots of a table or, with `each`, for those at each target in it.
+    """Return what `plan` returns for the shots of a table or, with `each`, for each value of this column.
 
     Without a table, and before the first shot has been written into it, `plan` is called with None.
     """
@@ -69,8 +65,8 @@ def next_plan(
     is_new = table.suffix == ".csv" and not exists(table)
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-    if each:
-        return each_result(plan, table, where, sheet)
+    if each is not None:
+        return each_result(plan, table, each, where, sheet)
     if is_new:
         return plan(None)
     return plan(say_how_read(table, armour.read_shots(table, one_kind=True, where=where, sheet=sheet)))

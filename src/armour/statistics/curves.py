@@ -272,17 +272,25 @@ class ShotLikelihood:
         z = points[:, :1] + points[:, 1:] * self.x
         values = self.log_likelihoods(z)
         if self.penalised:
-            # Information relative to the greatest of a shot, and velocities relative to their centre, keep the
-            # determinant exact for any steepness of the curves.
-            x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
-            log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
-            greatest = log_weights.max(axis=1)
-            weights = self.counts * np.exp(log_weights - greatest[:, None])
-            total = weights.sum(axis=1)
-            centre = weights @ x / total
-            determinants = total * (weights * (x - centre[:, None]) ** 2).sum(axis=1)
-            values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
+            values = values + 0.5 * sum(self.information(points))
         return values
+
+    def information(self, points: Floats) -> tuple[Floats, Floats]:
+        """Return the logarithms of the information of the shots on the intercept and on the slope, (m,) each.
+
+        `points`, (m, 2), are intercepts and slopes of m curves.  That on the slope is about the mean velocity weighted
+        by the information on the intercept, so that the product of both is the determinant.
+        """
+        # Information relative to the greatest of a shot, and velocities relative to their centre, keep the
+        # determinant exact for any steepness of the curves.
+        x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
+        log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
+        greatest = log_weights.max(axis=1)
+        weights = self.counts * np.exp(log_weights - greatest[:, None])
+        total = weights.sum(axis=1)
+        centre = weights @ x / total
+        spread = (weights * (x - centre[:, None]) ** 2).sum(axis=1)
+        return greatest + np.log(total), greatest + np.log(np.maximum(spread, 1e-200))
 
     def _loss(self, point: Floats) -> float:
         return -float(self._values(point[None])[0])

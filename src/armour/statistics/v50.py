@@ -1,7 +1,8 @@
 """V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import combinations
 from math import comb, inf
 from pathlib import Path
 from statistics import median
@@ -13,16 +14,17 @@ from pydantic import Field, PlainValidator
 from armour import csv_files
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
-from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.columns import GROUPS, YES_MEANS, column_of, perforates
+from armour.analysis.results import EachResult, OnProgress, TableResult, by_column, ignore_progress
+from armour.columns import GROUPS, YES_MEANS, column_of, columns_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Note, mistake
+from armour.errors import NoAnswerError, Note, mistake, refuse
 from armour.foreign import items
 from armour.scenario.checked import Table, checked, is_number, several
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
 from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
+from armour.statistics.lots import V50Difference, difference_of
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import feet_note
 
@@ -146,6 +148,11 @@ class MeanV50:
     span_allowed_m_s: float
     rule: SpanRule
 
+    @property
+    def is_allowed(self) -> bool:
+        """Whether the span is at most the one allowed."""
+        return self.span_m_s <= self.span_allowed_m_s + 1e-9
+
 
 @dataclass(frozen=True)
 class ProbabilityAt:
@@ -196,6 +203,8 @@ class FiringResult(TableResult):
         Whether every complete penetration was faster than every partial one.
     mean : MeanV50 or None
         None if the shots do not meet the rule.
+    means : tuple of MeanV50
+        The mean of each number of shots that was tried, also those whose span exceeds the one allowed.
     fits : tuple of FittedCurve
         Curves of maximum likelihood; with a prior, empty if the shots have none.
     penalised_fits : tuple of FittedCurve
@@ -274,6 +283,35 @@ class FiringResult(TableResult):
     consumers_risk: float | None = None
     producers_risk: float | None = None
     fired: Shots | None = None
+    means: tuple[MeanV50, ...] = ()
+
+    def difference(self, second: "FiringResult", confidence: Confidence | None = None) -> V50Difference:
+        """Return the V50 of a second lot minus that of this one, if both lots have one scatter.
+
+        Parameters
+        ----------
+        second : FiringResult
+            V50 of the other lot.
+        confidence : float, optional
+            Confidence level of the interval, by default that of this result.
+
+        Returns
+        -------
+        V50Difference
+
+        Raises
+        ------
+        NoAnswerError
+            If one of the two has no recommended curve.
+        """
+        if self.recommended is None or second.recommended is None:
+            raise NoAnswerError("no difference: one of the lots has no recommended curve")
+        lots = (lot.question["shots"] for lot in (self, second))
+        first, other = (
+            ShotLikelihood(shots.of(complete=False), shots.of(complete=True), "probit", penalised=True)
+            for shots in lots
+        )
+        return difference_of(first, other, confidence or self.confidence)
 
     @checked
     def band(
@@ -314,6 +352,37 @@ class FiringResult(TableResult):
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
+
+
+@dataclass(frozen=True, repr=False)
+class LotResults(EachResult):
+    """V50 of each of several lots, and the differences of all pairs of them.
+
+    Attributes
+    ----------
+    differences : mapping of str to V50Difference
+        By the names of both lots, as "lot B minus lot A".  The intervals of all together have the confidence level of
+        the results: of n pairs, each interval is of the level at which n times fewer are wrong, and each p value is n
+        times that of the pair alone.
+    """
+
+    differences: Mapping[str, V50Difference]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the results as plain data, by name, and the differences."""
+        differences = {name: dict(vars(difference)) for name, difference in self.differences.items()}
+        return {**super().to_dict(), "differences": differences}
+
+
+def compared(results: Mapping[str, FiringResult], unanswered: Mapping[str, str]) -> LotResults:
+    """Return the results of lots with the differences of all pairs; `unanswered` says why others have no V50."""
+    lots = {name: result for name, result in results.items() if result.recommended is not None}
+    pairs, differences = [*combinations(lots.items(), 2)], {}
+    for (first, one), (second, other) in pairs:
+        found = one.difference(other, 1.0 - (1.0 - one.confidence) / len(pairs))
+        p_value = min(found.p_value * len(pairs), 1.0)
+        differences[f"{second} minus {first}"] = replace(found, p_value=p_value)
+    return LotResults(results, unanswered, differences)
 
 
 @checked
@@ -380,24 +449,37 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
         if result is None:
             source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
     source.refuse()
-    csv_files.check_one_target(table, results, ", or --each for one answer each")
+    csv_files.check_one_target(table, results, ", or --each {} for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
     shots = Shots((*velocities,), (*map(bool, results),), source.file, names if any(names) else (), table.read)
     check_shots(shots, kinds=0 if one_kind else 2)
     return shots
 
 
-def firings_of(path: Table, where: Mapping[str, str], sheet: str | None, least: int = 1) -> list[tuple[str, str]]:
+def lots_of(path: Table, column: str, where: Mapping[str, str], sheet: str | None) -> list[tuple[str, str]]:
+    """Return each value that a column has in the shots that count, after the name of the column in the table."""
+    source = csv_files.open_table(path, is_of_shots, sheet)
+    lines = [*source.lines]
+    source.lines = iter(lines)
+    places = {row.place for row in csv_files.read_rows(source, SHOTS, where).rows}
+    source.refuse()
+    index = csv_files.place_of(source, columns_of(source.header, SHOTS.keys), column, "--each")
+    values = {place: cells[index] for place, cells in lines if place in places}
+    refuse(csv_files.not_filled(source.file, source.header[index], [place for place in values if not values[place]]))
+    return [(source.header[index], value) for value in dict.fromkeys(values.values())]
+
+
+def firings_of(path: Table) -> list[tuple[str, str]]:
     """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
 
-    They are all values of the first column of which at least `least` are not serial numbers.
+    They are all values of the first column of which at least two are not serial numbers.
     """
-    source = csv_files.open_table(path, is_of_shots, sheet)
-    table = csv_files.read_rows(source, SHOTS, where)
+    source = csv_files.open_table(path, is_of_shots)
+    table = csv_files.read_rows(source, SHOTS)
     source.refuse()
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if len(csv_files.targets_of(table, name, results)) >= least:
+        if len(csv_files.targets_of(table, name, results)) > 1:
             return [(name, value) for value in dict.fromkeys(values)]
     return []
 
@@ -505,6 +587,7 @@ def v50(
         lowest_complete_m_s=complete[0] if complete else None,
         separated=not partial or not complete or partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
+        means=means_of(partial, complete, pairs, span_m_s),
         fits=tuple(fit for _, fit in fits),
         penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
@@ -670,12 +753,21 @@ def mean_v50(
 
     `pairs` is the number of shots of each kind, by default 5, 3 or 2; for any other number the span must be given.
     """
+    means = means_of(partial, complete, pairs, span_m_s)
+    return next((mean for mean in means if mean.is_allowed), None)
+
+
+def means_of(
+    partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
+) -> tuple[MeanV50, ...]:
+    """Compute the means among which `mean_v50` chooses, also those of shots whose span exceeds the one allowed."""
+    means = []
     for count in SPANS_M_S if pairs is None else (pairs,):
         velocities = [*partial[-count:], *complete[:count]]
-        span = max(velocities) - min(velocities)
-        allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
-        if len(velocities) == 2 * count and span <= allowed + 1e-9:
+        if len(velocities) == 2 * count:
+            span = max(velocities) - min(velocities)
+            allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
             usual = SPANS_M_S.get(count)
             rule: SpanRule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
-            return MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule)
-    return None
+            means.append(MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule))
+    return tuple(means)

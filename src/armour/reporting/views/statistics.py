@@ -19,6 +19,7 @@ from armour.reporting.table import (
     percent,
     with_interval,
 )
+from armour.reporting.views.analysis import tables_of_each
 from armour.reporting.words import (
     SAMPLED_ALONE,
     STOPPING,
@@ -30,11 +31,12 @@ from armour.reporting.words import (
 )
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
+from armour.statistics.lots import V50Difference
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
-from armour.statistics.v50 import FiringResult
+from armour.statistics.v50 import FiringResult, LotResults
 
 STOPPED_ALONE = "stopped by the given distributions alone"
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
@@ -451,6 +453,52 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
             "them is equally likely, and the scatter is 0"
         )
     return shown
+
+
+ONE_SCATTER = (
+    "a difference supposes that the lots have one scatter; of several pairs, all intervals hold together with the "
+    "confidence, and each p is multiplied by their number"
+)
+
+
+@line_of.register
+def lots_in_a_line(result: LotResults) -> str:
+    """Return whether the lots differ or, if they are not compared, their names."""
+    return "; ".join(difference_words(result)) or ", ".join((*result.results, *result.unanswered))
+
+
+def difference_words(result: LotResults, name: str = "") -> list[str]:
+    """Return a line for each pair of lots, or of those with a name, which says whether they differ."""
+    return [
+        _difference(pair, difference, len(result.differences))
+        for pair, difference in result.differences.items()
+        if not name or name in pair.split(" minus ")
+    ]
+
+
+def _difference(pair: str, found: V50Difference, pairs: int) -> str:
+    """Return whether a pair of lots differ, with the interval of the difference."""
+    together = 1.0 - (1.0 - found.confidence) * pairs
+    ends = interval(found.interval_m_s, ".0f")
+    p_value = "below 0.001" if found.p_value < 1e-3 else f"{found.p_value:.2g}"
+    says = "V50 differs" if found.p_value < 1.0 - together else "V50 not found to differ"
+    return f"{says}: {pair} {found.difference_m_s:+.0f} m/s, {percent(round(together, 9))} interval {ends}, p {p_value}"
+
+
+@tables_of.register
+def tables_of_lots(result: LotResults) -> list[Table | str]:
+    """Return whether the lots differ, V50 of each at one level, and the tables of each."""
+    shown: list[Table | str] = [*difference_words(result)]
+    shown += [ONE_SCATTER] if shown else []
+    fits = {name: lot.recommended for name, lot in result.results.items() if isinstance(lot, FiringResult)}
+    if any(fits.values()):
+        level = percent(next(lot.confidence for lot in result.results.values() if isinstance(lot, FiringResult)))
+        v50: Source = Column("V50", "m/s", ".0f"), lambda row: row[1].v50_m_s
+        ends: Source = Column(f"{level} interval", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".0f")
+        scatter: Source = Column("scatter", "m/s", ".0f"), lambda row: row[1].scale_m_s
+        known = [(name, fit) for name, fit in fits.items() if fit is not None]
+        shown.append(Table.of(known, (Column("lot"), itemgetter(0)), v50, ends, scatter, title="V50 of each"))
+    return [*shown, *tables_of_each(result)]
 
 
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
