@@ -84,6 +84,7 @@ class Source:
     place: str = ""  # of the header
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
+    title: Sequence[str] = ()  # lines above the header
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
     sheets: Sequence[str] = ()  # of a workbook
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
@@ -131,6 +132,16 @@ class Source:
 
 
 @dataclass(frozen=True)
+class NotUsed:
+    """A row that is not used: its place, the column and the value that decide, and its cells as written."""
+
+    place: str
+    column: str
+    value: str
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class TableRead:
     """How a table was read.
 
@@ -148,6 +159,11 @@ class TableRead:
         Hash of the file, or of the rows given.
     warnings : tuple of str
         Columns that were not read and probably should be.
+    title : tuple of str
+        Lines above the header.
+    not_used : tuple of NotUsed
+        Rows that do not count or are not among those asked for: ``place``, the ``column`` that decides, its ``value``
+        and all ``cells``.
     """
 
     words: str
@@ -156,6 +172,8 @@ class TableRead:
     ignored: tuple[str, ...]
     sha256: str
     warnings: tuple[str, ...] = ()
+    title: tuple[str, ...] = ()
+    not_used: tuple[NotUsed, ...] = ()
 
 
 class CsvRow(NamedTuple):
@@ -249,6 +267,7 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     if not head:
         return source
     above = _most_known([cells for _, cells in head], known)[1]
+    source.title = [", ".join(filter(None, cells)) for _, cells in head[:above]]
     (source.place, header), *head = head[above:]
     if above:
         source.form.append(f"{counted(above, 'line')} above the header")
@@ -384,8 +403,20 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
     their cells differ from those that ``where`` requires, by column.
     """
     file, where = source.file, where or {}
-    columns, lines, uncounted = _checked(source, kind, least)
-    lines = _chosen(source, columns, lines, where, uncounted)
+    columns, every, uncounted = _checked(source, kind, least)
+    lines = _chosen(source, columns, every, where, uncounted)
+    chosen = {place for place, _ in lines}
+    deciding = {place_of(source, columns, name): str(value) for name, value in where.items()}
+    not_used = tuple(
+        NotUsed(place, source.header[index], cells[index], (*cells,))
+        for place, cells in every
+        for index in [
+            uncounted[place]
+            if place in chosen and place in uncounted
+            else next((index for index, value in deciding.items() if cells[index] != value), None)
+        ]
+        if index is not None
+    )
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
     places = [place for place, _ in lines]
@@ -422,12 +453,13 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
     if equal:
         notes.append(f"{listed(equal)} equal to an earlier row, counted")
     told = source.told(counted(len(rows), kind.noun), notes)
-    read = TableRead(*told, left_out, (*ignored,), source.digest.hexdigest(), (*warnings,))
+    digest = source.digest.hexdigest()
+    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.title,), not_used)
     return CsvTable(file, rows, read, groups)
 
 
-def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column], list[Line], set[str]]:
-    """Return the columns of a table, its lines of the width of the header, and the places of those that do not count.
+def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column], list[Line], dict[str, int]]:
+    """Return the columns of a table, its lines of the width of the header, and `_uncounted`.
 
     Lines of another width are recorded as wrong.
     """
@@ -560,11 +592,14 @@ def place_of(source: Source, columns: Sequence[Column], name: str, key: str = "w
     raise mistake(source.file, key, f'must name a column, found "{name}"')
 
 
-def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:
-    """Return the places of the lines that do not count, or whose name, in the column `naming`, is that of a summary."""
+def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> dict[str, int]:
+    """Return the lines that do not count, or whose name, in the column `naming`, is that of a summary.
+
+    Each is given by its place, with the index of the column that says so.
+    """
     by_key = {column.key: place for place, column in enumerate(columns) if column.known}
     name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
-    places = {place for place, cells in lines if name is not None and is_summary(cells[name])}
+    places = {place: name for place, cells in lines if name is not None and is_summary(cells[name])}
     if index is None:
         return places
     for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
@@ -572,7 +607,7 @@ def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line],
         if counts is None and place not in places:
             source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
         elif not counts:
-            places.add(place)
+            places[place] = index
     return places
 
 

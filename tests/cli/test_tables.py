@@ -177,7 +177,7 @@ def test_two_lots_are_compared_at_one_level(cli, folder: Path):
     rows = [f"{v + by},{word},{name}\n" for name, by in (("old", 0), ("new", 60)) for v, word in shots]
     (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n" + "".join([*rows, "700,P,short\n", "720,C,short\n"]))
     shown = " ".join(cli("v50", "t.csv", "--each", "kiln").stdout.split())
-    assert "V50 differs: Kiln new minus Kiln old +60 m/s, 95 % interval 8 to 112, p 0.045" in shown
+    assert "V50 differs: Kiln new minus Kiln old +60 m/s, 95 % interval 8 to 112, p = 0.045" in shown
     assert "lot V50, m/s 95 % interval, m/s scatter, m/s" in shown
     assert "Kiln short 710 not bounded" in shown
     (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n700,P,a\n720,C,\n")

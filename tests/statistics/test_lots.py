@@ -8,6 +8,7 @@ from scipy.special import log_ndtr, ndtri
 
 from armour.errors import NoAnswerError
 from armour.statistics.v50 import Shots, compared, v50
+from tests.helpers.known import known
 
 pytestmark = pytest.mark.slow
 
@@ -59,7 +60,7 @@ def test_lots_that_are_the_same_do_not_differ_and_a_shift_is_the_difference():
     assert higher.difference_m_s == pytest.approx(40.0, abs=1e-3)
     assert higher.p_value < 0.05
     assert higher.p_value == pytest.approx(lower.p_value, rel=1e-3)
-    assert higher.interval_m_s == pytest.approx([-end for end in lower.interval_m_s[::-1]], abs=1e-2)
+    assert higher.interval_m_s == pytest.approx([-known(end) for end in lower.interval_m_s[::-1]], abs=1e-2)
     few = v50(Shots((700, 720), (False, True)))
     assert few.difference(few).interval_m_s == (None, None)
 
@@ -72,7 +73,7 @@ def test_several_pairs_have_wider_intervals_that_hold_together():
     assert [*found.differences] == ["B minus A", "C minus A", "C minus B"]
     assert together.confidence == pytest.approx(1.0 - 0.05 / 3.0)
     assert together.p_value == pytest.approx(3.0 * alone.p_value)
-    assert together.interval_m_s[0] < alone.interval_m_s[0]
+    assert known(together.interval_m_s[0]) < known(alone.interval_m_s[0])
     assert found.to_dict()["differences"]["C minus A"]["difference_m_s"] == pytest.approx(50.0, abs=1e-2)
 
 

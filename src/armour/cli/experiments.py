@@ -29,8 +29,8 @@ from armour.cli.options import (
     word_option,
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
-from armour.errors import point_hint
-from armour.files import WORKBOOKS, shell_line, shipped_tests
+from armour.errors import point_hint, refuse
+from armour.files import WORKBOOKS, shell_line, shipped_tests, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
@@ -87,6 +87,7 @@ def v50(
     csv: Path | None = file_option("Write the fitted curves as CSV."),
     curve: Path | None = file_option("Write the recommended curve with its confidence band as CSV."),
     plot: Path | None = PLOT,
+    report: Path | None = file_option("Write the record of the firing, a page for each lot, as .html or .md."),
     where: list[str] | None = WHERE,
     each: str | None = EACH,
     sheet: str | None = SHEET,
@@ -110,7 +111,12 @@ def v50(
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, "v50")
-    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
+    tables = [csv, curve]
+    check_outputs(report, tables=tables, inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
+    if report is not None:
+        from armour.reporting.formats import REPORT_ENDINGS
+
+        refuse(wrong_ending(report, REPORT_ENDINGS))
     options = given(
         pairs=pairs,
         span_m_s=span_m_s,
@@ -139,11 +145,23 @@ def v50(
             results, unanswered = [found], {}
             file = ", ".join([fired.file, *([loaded.file] if loaded else [])])
             files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
+    if report is not None:
+        files = {**files, report: lambda path: _record(found, path)}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if requirement_m_s is not None and (unanswered or any(result.decision != "met" for result in results)):
         raise typer.Exit(runner.CHECK_FAILED)
     if unanswered:
         raise typer.Exit(runner.NO_ANSWER)
+
+
+def _record(result: Any, path: Path) -> str:
+    """Return the record of a firing as the text of a file."""
+    from armour.reporting.formats import report_text
+    from armour.reporting.record import firing_report
+
+    if path.suffix.lower() == ".html":
+        runner.drawing()
+    return report_text(firing_report(result, runner.command_line()), path)
 
 
 def calibrate(

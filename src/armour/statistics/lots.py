@@ -74,9 +74,12 @@ class TwoLots:
             second = free[1] if difference is None else free[0] + (self.apart - difference) * exp(-log_scale)
             return np.array([free[0], second, log_scale])
 
-        free = start if difference is None else start[[0, 2]]
+        def loss(free: Floats) -> float:
+            return self._loss(point(free))
+
         options: Any = {"gtol": 1e-4}
-        return point(minimize(lambda x: self._loss(point(x)), free, method="BFGS", options=options).x)
+        free = start if difference is None else start[[0, 2]]
+        return point(minimize(loss, free, method="BFGS", options=options).x)
 
     def end(self, direction: float, root: float) -> float | None:
         """Return the end of the interval of the difference, m/s, above (1) or below (-1) it; None without an end.

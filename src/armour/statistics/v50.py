@@ -123,6 +123,12 @@ class Shots:
         pairs = zip(self.velocities_m_s, self.complete, strict=True)
         return sorted(velocity for velocity, result in pairs if result == complete)
 
+    def averaged(self, pairs: int) -> set[int]:
+        """Return the indices of the shots in the mean: those of the fastest partial and slowest complete ones."""
+        order = sorted(range(len(self.complete)), key=lambda i: self.velocities_m_s[i])
+        partial, complete = ([i for i in order if self.complete[i] == kind] for kind in (False, True))
+        return {*partial[-pairs:], *complete[:pairs]}
+
 
 @dataclass(frozen=True)
 class MeanV50:
@@ -204,7 +210,7 @@ class FiringResult(TableResult):
     mean : MeanV50 or None
         None if the shots do not meet the rule.
     means : tuple of MeanV50
-        The mean of each number of shots that was tried, also those whose span exceeds the one allowed.
+        The means that were tried: those of shots whose span exceeds the one allowed, and ``mean``, if there is one.
     fits : tuple of FittedCurve
         Curves of maximum likelihood; with a prior, empty if the shots have none.
     penalised_fits : tuple of FittedCurve
@@ -753,14 +759,13 @@ def mean_v50(
 
     `pairs` is the number of shots of each kind, by default 5, 3 or 2; for any other number the span must be given.
     """
-    means = means_of(partial, complete, pairs, span_m_s)
-    return next((mean for mean in means if mean.is_allowed), None)
+    return next((mean for mean in means_of(partial, complete, pairs, span_m_s) if mean.is_allowed), None)
 
 
 def means_of(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> tuple[MeanV50, ...]:
-    """Compute the means among which `mean_v50` chooses, also those of shots whose span exceeds the one allowed."""
+    """Compute the means that `mean_v50` tries: those of shots whose span exceeds the one allowed, and its own."""
     means = []
     for count in SPANS_M_S if pairs is None else (pairs,):
         velocities = [*partial[-count:], *complete[:count]]
@@ -770,4 +775,6 @@ def means_of(
             usual = SPANS_M_S.get(count)
             rule: SpanRule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
             means.append(MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule))
+            if means[-1].is_allowed:
+                break
     return tuple(means)

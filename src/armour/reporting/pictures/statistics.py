@@ -167,8 +167,11 @@ POSTERIOR = 0.4
 
 
 @draw.register
-def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of complete penetration over velocity, the region of V50 and scatter, and the shots."""
+def draw_firing(result: FiringResult, sheet: drawing.Sheet, *, alone: bool = False) -> drawing.Picture:
+    """Draw the probability of complete penetration over velocity, the region of V50 and scatter, and the shots.
+
+    With `alone`, only the first of these.
+    """
     shots = drawing.recorded(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
@@ -180,10 +183,8 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     ends = fit.v50_interval_m_s
     if fit is result.recommended:
         notes.append(f"Band: {level} band of the curve.")
-        if result.bounded_confidence is not None and result.bounded_interval_m_s is not None:
-            ends = result.bounded_interval_m_s
     panels = [1.1 * drawing.PANEL]
-    if sheet.ax is None and fit is result.recommended:
+    if sheet.ax is None and fit is result.recommended and not alone:
         panels += [drawing.PANEL, drawing.PANEL]
     if posterior is not None:
         posterior_ends = interval(posterior.v50_interval_m_s, ".1f")

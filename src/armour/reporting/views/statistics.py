@@ -249,7 +249,10 @@ def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
 
 def v50_table(result: FiringResult) -> Table:
     """Tabulate the shots: their numbers, the zone of mixed results, the mean of MIL-STD-662F, and the model's limit."""
-    rule: list[Source] = [(Column("V50, mean"), "none: too few shots of each kind within the span allowed")]
+    spans = [
+        f"{m.pairs} + {m.pairs} within {m.span_m_s:.4g} m/s, {m.span_allowed_m_s:.4g} allowed" for m in result.means
+    ]
+    rule: list[Source] = [(Column("V50, mean"), f"none: {'; '.join(spans) or 'too few shots of each kind'}")]
     if (mean := result.mean) is not None:
         rule = [
             (Column("V50, MIL-STD-662F" if mean.rule == "usual span" else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
@@ -412,15 +415,13 @@ def rounded_risk(risk: float) -> str:
 
 @line_of.register
 def firing_in_a_line(result: FiringResult) -> str:
-    """Return V50 by the recommended curve, or else the first, with its interval."""
+    """Return V50 by the recommended curve, or else the first, with its interval at the level asked for."""
     fit = result.recommended or next(iter(result.fits), None)
     if fit is None or result.extrapolated:
         return "V50 not bounded by these shots"
-    confidence, ends = result.confidence, fit.v50_interval_m_s
-    if fit is result.recommended and None not in (result.bounded_confidence, result.bounded_interval_m_s):
-        confidence, ends = result.bounded_confidence or 0.0, result.bounded_interval_m_s or ends
+    ends = fit.v50_interval_m_s
     unit = " m/s" if ends != (None, None) else ""
-    return f"V50 {fit.v50_m_s:.1f} m/s, {percent(confidence)} interval {interval(ends, '.1f')}{unit}"
+    return f"V50 {fit.v50_m_s:.1f} m/s, {percent(result.confidence)} interval {interval(ends, '.1f')}{unit}"
 
 
 @tables_of.register
@@ -480,7 +481,7 @@ def _difference(pair: str, found: V50Difference, pairs: int) -> str:
     """Return whether a pair of lots differ, with the interval of the difference."""
     together = 1.0 - (1.0 - found.confidence) * pairs
     ends = interval(found.interval_m_s, ".0f")
-    p_value = "below 0.001" if found.p_value < 1e-3 else f"{found.p_value:.2g}"
+    p_value = "< 0.001" if found.p_value < 1e-3 else f"= {found.p_value:.2g}"
     says = "V50 differs" if found.p_value < 1.0 - together else "V50 not found to differ"
     return f"{says}: {pair} {found.difference_m_s:+.0f} m/s, {percent(round(together, 9))} interval {ends}, p {p_value}"
 
