@@ -67,7 +67,7 @@ def test_one_page_has_what_a_range_files(cli, folder: Path, table: Path):
     assert read is not None
     assert f"SHA-256 {read.sha256}" in page
     assert "SHA-256 of the scenario's content: " in page
-    assert "| armour | " in page
+    assert f"armour {armour.__version__}, model {armour.MODEL_VERSION}, Python " in page
     assert "--report r.md" in page
     assert SIGNED in page
 

@@ -51,7 +51,10 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
     if differences:
         sections.append(ReportSection("Other lots", (*differences, views.ONE_SCATTER)))
     read = shots.read and f"{Path(shots.file).name}: {shots.read.words}; SHA-256 {shots.read.sha256}."
-    origin = replace(origin_section(command, read or "", scenario), folded=False)
+    origin = origin_section(command, read or "", scenario)
+    *hashes, made_by = origin.paragraphs
+    versions = f"{', '.join(f'{program} {version}' for program, version in origin.tables[0].rows)}."
+    origin = replace(origin, paragraphs=(*hashes, versions, made_by), tables=(), folded=False)
     names = (("table", Path(shots.file).name), ("program version", f"armour {__version__}"))
     return Report(
         title=f"{', '.join(filter(None, ('Record of a firing', name)))}: {lines[0] if lines else computed}",
