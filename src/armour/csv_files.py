@@ -12,6 +12,7 @@ from itertools import chain, islice
 from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
+from statistics import fmean
 from typing import Any, NamedTuple, Protocol
 
 from armour.columns import (
@@ -44,8 +45,8 @@ SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 # Yes, in a column of crosses and blanks.
 CROSS = "x"
-# Relative difference of two numbers that are rounded in different units.
-SAME = 1e-3
+# Relative difference of two numbers that are rounded in different units, and of several velocities of one shot.
+SAME, AGREEING = 1e-3, 0.01
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
 # Beginning of the key of a problem in a line.
 _LINE = re.compile(r"(?:line|row) (\d+)")
@@ -201,6 +202,7 @@ class TableKind(NamedTuple):
     texts: tuple[str, ...]  # the first names the row
     needed: tuple[str, ...] = ()
     usual: str = ""  # columns that a message lists, by default all
+    exact: tuple[str, ...] = ()  # texts that no other column is a misspelling of
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -422,6 +424,7 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
     places = [place for place, _ in lines]
     rows = [CsvRow(place, {}, {}) for place in places]
     groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
+    repeated: dict[str, dict[str, list[float | None]]] = {}
     for index, (name, column) in enumerate(zip(source.header, columns, strict=True)):
         cells = [cells[index] for _, cells in lines]
         if source.sheets and column.key in kind.needed and cells and not any(cells):
@@ -433,6 +436,8 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
                 warnings.append(f"{name} seems to reject {which}; a column counts or rejected leaves rows out")
         elif column.key in kind.numbers:
             numbers, _ = source.numbers(name, column, places, cells)
+            if column.averaged:
+                repeated.setdefault(column.key, {})[name] = numbers
             for row, cell, number in zip(rows, cells, numbers, strict=True):
                 row.texts.update({column.key: cell} if cell else {})
                 row.numbers.update({} if number is None else {column.key: number})
@@ -440,10 +445,13 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
             _fill_texts(source, name, column, cells, rows)
         elif column.key in GROUPS:
             groups[name] = cells
+    for key, by_name in repeated.items():
+        _average(source, key, by_name, rows)
     equal = _equal(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
     notes = [f"{name} {value}" for name, value in where.items()]
+    notes += [f"mean of {joined([*by_name])}" for by_name in repeated.values() if len(by_name) > 1]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     names = Counter(row.texts.get(kind.texts[0]) for row in rows)
     if several := [name for name, count in names.items() if name and count > 1]:
@@ -486,6 +494,18 @@ def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column],
     return columns, whole, uncounted
 
 
+def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | None]], rows: Sequence[CsvRow]) -> None:
+    """Fill the rows with the means of several numbers of a quantity, which must agree."""
+    for index, row in enumerate(rows):
+        found = {name: number for name, numbers in by_name.items() if (number := numbers[index]) is not None}
+        if found:
+            row.numbers[key] = fmean(found.values())
+            if max(found.values()) - min(found.values()) > AGREEING * row.numbers[key]:
+                values = joined([f"{value:.5g}" for value in found.values()])
+                message = f"must agree within {100.0 * AGREEING:g} %, found {values}; leave those that are wrong blank"
+                source.wrong(f"{row.place}: {joined([*found])}", message)
+
+
 def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> None:
     """Fill the rows with the cells of a column of texts."""
     words = no_crosses(cells, column)
@@ -511,6 +531,11 @@ def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
     if column.yes is None or words - {CROSS} or not (words or leaves_out):
         return cells
     return ["yes" if cell else "no" for cell in cells]
+
+
+def blanks_count(words: Sequence[str], column: Column) -> bool:
+    """Return whether shots with a blank cell count: the column marks only shots that do not."""
+    return {column.says(word) for word in words if word} == {False}
 
 
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
@@ -541,7 +566,7 @@ def _wrong_columns(source: Source, columns: Sequence[Column], kind: TableKind) -
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
-    missing, several = [key for key in keys if key not in by_other_names], set[str]()
+    missing, several = [key for key in keys if key not in {*by_other_names, *kind.exact}], set[str]()
     for name, column in dict(zip(source.header, columns, strict=True)).items():
         if column.known and column.factor == 0.0 and column.units is None:
             yield name, f'must agree with the words for results or yes and no, found "{column.unit}"'
@@ -549,6 +574,8 @@ def _wrong_columns(source: Source, columns: Sequence[Column], kind: TableKind) -
             stem = re.sub(r"\s*[(\[].*", "", name)
             ways = joined([f'"{stem} ({unit})"' for unit in column.units or () if unit in USUAL_UNITS], "or")
             yield name, f"must have its unit, as {ways}"
+        elif column.averaged and source.header.count(name) == 1:
+            continue
         elif column.known and known_keys.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
@@ -602,8 +629,10 @@ def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line],
     places = {place: name for place, cells in lines if name is not None and is_summary(cells[name])}
     if index is None:
         return places
-    for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
-        counts = columns[index].says(cell)
+    words = no_crosses([cells[index] for _, cells in lines], columns[index])
+    blank = blanks_count(words, columns[index]) or None
+    for (place, _), cell in zip(lines, words, strict=True):
+        counts = columns[index].says(cell) if cell else blank
         if counts is None and place not in places:
             source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
         elif not counts:

@@ -183,3 +183,34 @@ def test_two_lots_are_compared_at_one_level(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n700,P,a\n720,C,\n")
     [line] = cli.fails(2, "v50", "t.csv", "--each", "Kiln")
     assert line == "t.csv: Kiln: must be filled in every row that counts, found blank cells in line 3"
+
+
+def test_two_velocities_of_a_shot_are_averaged_or_asked_about(cli, folder: Path):
+    header = "V1 (ft/s),V2 (ft/s),V mean (ft/s),result\n"
+    (folder / "t.csv").write_text(f"{header}2300,2310,2305,P\n2400,,,C\n,2350,,P\n2380,2380,2380,C\n")
+    read = cli("v50", "t.csv", "--json")
+    assert json.loads(read.stdout)["fired"]["velocities_m_s"] == pytest.approx(
+        [v * 0.3048 for v in (2305, 2400, 2350, 2380)]
+    )
+    assert "mean of V1 (ft/s), V2 (ft/s) and V mean (ft/s)" in read.stderr
+    (folder / "t.csv").write_text(f"{header}2300,2310,2305,P\n2400,2350,2375,C\n")
+    [line] = cli.fails(2, "v50", "t.csv")
+    assert line == (
+        "t.csv: line 3: V1 (ft/s), V2 (ft/s) and V mean (ft/s): must agree within 1 %, found 731.52, 716.28 and 723.9; "
+        "leave those that are wrong blank"
+    )
+    # That of the impact goes before those of chronographs.
+    (folder / "t.csv").write_text("V1 (m/s),V2 (m/s),V impact (m/s),result\n730,722,715,P\n750,745,741,C\n")
+    assert json.loads(cli("v50", "t.csv", "--json").stdout)["fired"]["velocities_m_s"] == [715.0, 741.0]
+    (folder / "t.csv").write_text("V1 (m/s),V1 (m/s),result\n730,722,P\n750,745,C\n")
+    assert "must be the name of one column" in cli.fails(2, "v50", "t.csv")[0]
+
+
+@pytest.mark.parametrize(("header", "word"), [("counts", "no"), ("Fair hit", "No"), ("excluded", "yes")])
+def test_shots_with_a_blank_count_where_only_others_are_marked(cli, folder: Path, header: str, word: str):
+    (folder / "t.csv").write_text(f"velocity_m_s,result,{header}\n700,P,\n720,C,\n900,P,{word}\n715,P,\n725,C,\n")
+    fired = json.loads(cli("v50", "t.csv", "--json").stdout)["fired"]
+    assert (fired["velocities_m_s"], fired["read"]["left_out"]) == ([700.0, 720.0, 715.0, 725.0], ["line 4"])
+    other = "yes" if word.lower() == "no" else "no"
+    (folder / "t.csv").write_text(f"velocity_m_s,result,{header}\n700,P,\n720,C,{other}\n900,P,{word}\n")
+    assert 'must be yes or no, found ""' in cli.fails(2, "v50", "t.csv")[0]

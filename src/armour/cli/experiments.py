@@ -318,6 +318,7 @@ def plan_shots(
         metavar="RESULT",
     ),
     velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
+    undo: bool = flag("Take the last shot back from SHOTS.", "--undo"),
     where: list[str] | None = WHERE,
     each: str | None = EACH,
     sheet: str | None = SHEET,
@@ -357,11 +358,13 @@ def plan_shots(
         ("--sheet" if each is None else "--each", table is None and is_divided, "must be given with SHOTS"),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
         ("--plot", plot and each is not None and not is_fired, "must not be given with --each"),
+        ("--undo", undo and table is None, "must be given with SHOTS, from which it takes a shot back"),
+        ("--undo", undo and (is_fired or simulate or is_divided), "must be given without --result and the like"),
         ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
         ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
         ("--result", is_fired and is_divided, f"must not be given with {'--sheet' if each is None else '--each'}"),
     )
-    if is_fired:
+    if is_fired or undo:
         check_outputs(plot=plot, updated=table, force=force)
     options = given(
         procedure=procedure,
@@ -385,11 +388,18 @@ def plan_shots(
         with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
-            if result is None or table is None:
-                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, each)
+            planned: Any
+            if undo and table is not None:
+                planned, notes, files = firings.plan_without_last(plan, stack, table, chosen(where))
+            elif result is None or table is None:
+                planned = firings.next_plan(plan, table, chosen(where), sheet, each)
                 notes = planned.notes
             else:
-                planned, notes, files = firings.plan_after(plan, stack, table, result, velocity_m_s, chosen(where))
+                from armour.scenario.scenario import ANY_VELOCITY
+
+                target = "" if loaded is None else loaded.subject(ANY_VELOCITY)
+                change = (stack, table, result, velocity_m_s, chosen(where), target)
+                planned, notes, files = firings.plan_after(plan, *change)
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
         answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if each is not None and planned.unanswered:

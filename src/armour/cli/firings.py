@@ -13,7 +13,7 @@ from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
 from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
-from armour.planning.shot_file import content_of, locked, with_shot
+from armour.planning.shot_file import content_of, locked, with_shot, without_last
 from armour.scenario.keys import describe
 from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
 
@@ -79,11 +79,12 @@ def plan_after(
     result: str,
     velocity_m_s: float | None,
     where: Mapping[str, str],
+    target: str,
 ) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
 
-    Return the plan, its notes and those on the added shot, and the table as a file to write.  The table stays locked
-    until ``stack`` is closed.
+    Return the plan, its notes and those on the added shot, and the table as a file to write, which names the ``target``
+    if it is new.  The table stays locked until ``stack`` is closed.
     """
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
@@ -104,15 +105,33 @@ def plan_after(
     if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
         words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
         notes.append(Note(words))
-    content = with_shot(table, velocity, result, where)
+    content = with_shot(table, velocity, result, where, target)
     source = open_table(table, is_of_shots, content=content)
     after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where)))
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
+    return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
 
-    def content_with_shot(_path: Path) -> bytes:
-        if content_of(table) != earlier_content:
+
+def plan_without_last(
+    plan: Callable[..., ShotPlan], stack: ExitStack, table: Path, where: Mapping[str, str]
+) -> tuple[ShotPlan, list[Note], Files]:
+    """Plan the next shot after taking the last one back from a table; see `plan_after`."""
+    stack.enter_context(locked(table))
+    earlier_content = content_of(table)
+    content, taken = without_last(table, where)
+    source = open_table(table, is_of_shots, content=content)
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where)))
+    say(f"note: {table}: without {taken}")
+    return after, [*after.notes], {table: _replacing(table, earlier_content, content)}
+
+
+def _replacing(table: Path, earlier: bytes | None, content: bytes) -> Callable[[Path], bytes]:
+    """Return a function that returns the content of a table to write, unless it is no longer the earlier one."""
+
+    def replaced(_path: Path) -> bytes:
+        if content_of(table) != earlier:
             raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
         return content
 
-    return after, [*notes, *after.notes], {table: content_with_shot}
+    return replaced

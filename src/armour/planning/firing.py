@@ -279,6 +279,7 @@ def plan_shots(
     """
     shots = shots or Shots((), ())
     v50.check_shots(shots, kinds=0)
+    refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
     for firing in earlier:
         v50.check_shots(instance(firing, Shots))
     for firing in (shots, *earlier):

@@ -17,7 +17,7 @@ from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import EachResult, OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, columns_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import NoAnswerError, Note, mistake, refuse
+from armour.errors import NoAnswerError, Note, joined, mistake, refuse
 from armour.foreign import items
 from armour.scenario.checked import Table, checked, is_number, several
 from armour.scenario.keys import describe
@@ -47,7 +47,11 @@ MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Columns that a table of shots needs, and all that it can have.
 KEYS = ("velocity_m_s", "result")
-SHOTS = csv_files.TableKind("shot", ("velocity_m_s",), ("shot", "result"), KEYS)
+# Column in which `plan shots` keeps what the shots are fired at.
+TARGET = "armour and round"
+SHOTS = csv_files.TableKind(
+    "shot", ("velocity_m_s",), ("shot", "result", TARGET), KEYS, "velocity_m_s, shot, result", (TARGET,)
+)
 SHOT_COLUMNS = (*SHOTS.keys, *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
@@ -89,8 +93,11 @@ class Shots:
         Their names, if they have any.
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
-        out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given, and
-        ``warnings`` of columns that probably should be read.
+        out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given,
+        ``warnings`` of columns that probably should be read, the lines above the header as ``title``, and the rows
+        ``not_used``.
+    target : str
+        Armour and round that they were fired at, if the table says so.
     """
 
     velocities_m_s: tuple[float, ...]
@@ -98,6 +105,7 @@ class Shots:
     file: str
     names: tuple[str, ...]
     read: TableRead | None = field(compare=False)
+    target: str = field(compare=False)
 
     def __init__(
         self,
@@ -106,6 +114,7 @@ class Shots:
         file: str = "shots",
         names: Iterable[str] = (),
         read: TableRead | None = None,
+        target: str = "",
     ) -> None:
         columns = {"velocities_m_s": velocities_m_s, "complete": complete, "names": names}
         with_items: dict[str, Any] = {}
@@ -116,7 +125,7 @@ class Shots:
                 raise mistake(file, key, f"must be a sequence, found {describe(column)}") from None
         results = tuple(bool(value) if _is_result(value) else value for value in with_items["complete"])
         # What is wrong with a value is told where the shots are used.
-        vars(self).update(with_items, complete=results, file=file, read=read)
+        vars(self).update(with_items, complete=results, file=file, read=read, target=target)
 
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
@@ -457,7 +466,12 @@ def shots_of(source: Source, *, one_kind: bool = False, where: Mapping[str, str]
     source.refuse()
     csv_files.check_one_target(table, results, ", or --each {} for one answer each")
     names = tuple(row.texts.get("shot", "") for row in rows)
-    shots = Shots((*velocities,), (*map(bool, results),), source.file, names if any(names) else (), table.read)
+    targets = [*dict.fromkeys(target for row in rows if (target := row.texts.get(TARGET)))]
+    if len(targets) > 1:
+        raise mistake(source.file, TARGET, f"must be the same for all shots, found {joined(targets)}")
+    names = names if any(names) else ()
+    target = "".join(targets)
+    shots = Shots((*velocities,), (*map(bool, results),), source.file, names, table.read, target)
     check_shots(shots, kinds=0 if one_kind else 2)
     return shots
 
@@ -603,6 +617,7 @@ def v50(
         notes=(
             *map(Note, shots.read.warnings if shots.read else ()),
             *map(Note, _far_from_others(shots)),
+            *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
             *(() if model is None else (*map(Note, (*_far_away(shots, model), *contradictions)), *model.notes)),
         ),
         prior=prior_estimate,
@@ -691,6 +706,12 @@ def _far_from_others(shots: Shots) -> Iterator[str]:
                 f"a shot at {velocity:g} m/s is far from the median of the shots, {middle:.0f} m/s; check its unit and "
                 "its decimal point: one such shot can spoil the estimate"
             )
+
+
+def of_another(shots: Shots, scenario: Scenario) -> Iterator[str]:
+    """Yield what is wrong if the shots were fired at another armour, or with another round, than the scenario's."""
+    if shots.target not in ("", subject := scenario.subject(ANY_VELOCITY)):
+        yield f"must be the scenario's, {subject}, found {shots.target}"
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
