@@ -272,14 +272,16 @@ class ShotLikelihood:
         z = points[:, :1] + points[:, 1:] * self.x
         values = self.log_likelihoods(z)
         if self.penalised:
-            values = values + 0.5 * sum(self.information(points))
+            greatest, total, spread = self.information(points)
+            values = values + greatest + 0.5 * np.log(np.maximum(total * spread, 1e-200))
         return values
 
-    def information(self, points: Floats) -> tuple[Floats, Floats]:
-        """Return the logarithms of the information of the shots on the intercept and on the slope, (m,) each.
+    def information(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the Fisher information of the shots on m curves, given by intercepts and slopes, (m, 2).
 
-        `points`, (m, 2), are intercepts and slopes of m curves.  That on the slope is about the mean velocity weighted
-        by the information on the intercept, so that the product of both is the determinant.
+        These are, (m,) each, the logarithm of the greatest information of a shot and, relative to it, the information
+        on the intercept, and that on the slope about the mean velocity, weighted by the information.  The determinant
+        is the product of the last two.
         """
         # Information relative to the greatest of a shot, and velocities relative to their centre, keep the
         # determinant exact for any steepness of the curves.
@@ -290,7 +292,7 @@ class ShotLikelihood:
         total = weights.sum(axis=1)
         centre = weights @ x / total
         spread = (weights * (x - centre[:, None]) ** 2).sum(axis=1)
-        return greatest + np.log(total), greatest + np.log(np.maximum(spread, 1e-200))
+        return greatest, total, spread
 
     def _loss(self, point: Floats) -> float:
         return -float(self._values(point[None])[0])

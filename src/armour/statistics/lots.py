@@ -61,9 +61,9 @@ class TwoLots:
         scale, loss, spread = exp(point[2]), 0.0, -inf
         for lot, intercept in zip(self.lots, point, strict=False):
             curve = np.array([[intercept, lot.deviation / scale]])
-            on_intercept, on_slope = lot.information(curve)
-            loss -= float((lot.log_likelihoods(curve[:, :1] + curve[:, 1:] * lot.x) + 0.5 * on_intercept)[0])
-            spread = np.logaddexp(spread, on_slope[0] + 2.0 * log(lot.deviation))
+            [greatest], [total], [on_slope] = lot.information(curve)
+            loss -= float(lot.log_likelihoods(curve[:, :1] + curve[:, 1:] * lot.x)[0] + 0.5 * (greatest + log(total)))
+            spread = np.logaddexp(spread, greatest + log(max(on_slope, 1e-200) * lot.deviation**2))
         return float(loss - 0.5 * spread)
 
     def _refined(self, start: Floats, difference: float | None = None) -> Floats:
