@@ -378,8 +378,11 @@ def test_a_v50():
     assert (np.diff(curve) >= 0.0).all()
     assert [item for item in axes.collections if isinstance(item, PolyCollection)]
     assert found.recommended is not None
-    assert picture.title == f"V50 {found.recommended.v50_m_s:.1f} m/s, 80 % interval 702.1 to 730.8 m/s"
-    [bars] = axes.containers
+    assert picture.title == f"V50 {found.recommended.v50_m_s:.1f} m/s, 95 % interval not bounded"
+    assert axes.containers == []
+    lower = picture_of(v50(SHOTS, scenario(), confidence=0.8))
+    assert lower.title == f"V50 {found.recommended.v50_m_s:.1f} m/s, 80 % interval 702.1 to 730.8 m/s"
+    [bars] = lower.axes[0].containers
     ends = bars.lines[2][0].get_segments()[0][:, 0].tolist()  # type: ignore[attr-defined]
     assert ends == pytest.approx(found.bounded_interval_m_s)
 
