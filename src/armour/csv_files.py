@@ -165,6 +165,8 @@ class TableRead:
     not_used : tuple of NotUsed
         Rows that do not count or are not among those asked for: ``place``, the ``column`` that decides, its ``value``
         and all ``cells``.
+    chosen : tuple of tuple of str
+        Columns by which rows were chosen, each with the value asked for.
     """
 
     words: str
@@ -175,6 +177,7 @@ class TableRead:
     warnings: tuple[str, ...] = ()
     title: tuple[str, ...] = ()
     not_used: tuple[NotUsed, ...] = ()
+    chosen: tuple[tuple[str, str], ...] = ()
 
 
 class CsvRow(NamedTuple):
@@ -407,18 +410,9 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
     file, where = source.file, where or {}
     columns, every, uncounted = _checked(source, kind, least)
     lines = _chosen(source, columns, every, where, uncounted)
-    chosen = {place for place, _ in lines}
     deciding = {place_of(source, columns, name): str(value) for name, value in where.items()}
-    not_used = tuple(
-        NotUsed(place, source.header[index], cells[index], (*cells,))
-        for place, cells in every
-        for index in [
-            uncounted[place]
-            if place in chosen and place in uncounted
-            else next((index for index, value in deciding.items() if cells[index] != value), None)
-        ]
-        if index is not None
-    )
+    not_used = (*_not_used(source, every, uncounted, deciding),)
+    chosen = tuple((source.header[index], value) for index, value in deciding.items())
     left_out = tuple(place for place, _ in lines if place in uncounted)
     lines = [line for line in lines if line[0] not in uncounted]
     places = [place for place, _ in lines]
@@ -462,7 +456,7 @@ def read_rows(source: Source, kind: TableKind, where: Mapping[str, str] | None =
         notes.append(f"{listed(equal)} equal to an earlier row, counted")
     told = source.told(counted(len(rows), kind.noun), notes)
     digest = source.digest.hexdigest()
-    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.title,), not_used)
+    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.title,), not_used, chosen)
     return CsvTable(file, rows, read, groups)
 
 
@@ -492,6 +486,16 @@ def _checked(source: Source, kind: TableKind, least: int) -> tuple[list[Column],
     if len(lines) < least:
         source.problems = [Problem(file, "", "must have at least one row below its header")]
     return columns, whole, uncounted
+
+
+def _not_used(
+    source: Source, lines: Sequence[Line], uncounted: Mapping[str, int], chosen: Mapping[int, str]
+) -> Iterator[NotUsed]:
+    """Yield the lines that are not used, by the values of the `chosen` columns or as they do not count."""
+    for place, cells in lines:
+        deciding = [index for index, value in chosen.items() if cells[index] != value]
+        for index in [*deciding, *([uncounted[place]] if place in uncounted else [])][:1]:
+            yield NotUsed(place, source.header[index], cells[index], (*cells,))
 
 
 def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | None]], rows: Sequence[CsvRow]) -> None:

@@ -56,7 +56,7 @@ def test_one_page_has_what_a_range_files(cli, folder: Path, table: Path):
     assert [shot[0] for shot in shots] == ["1", "2", "3", "4", "5", "6"]
     assert shots[1] == ["2", "801.0", "complete", "yes"]
     assert "| in the mean of 3 + 3, spread exceeded |" in page
-    assert rows_of(page, "Mean of MIL-STD-662F") == [
+    assert rows_of(page, "Mean of velocities") == [
         ["3 + 3", "782.2", "37", "27.43", "exceeds"],
         ["2 + 2", "782.0", "19", "18.29", "exceeds"],
     ]

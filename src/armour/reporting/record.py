@@ -42,7 +42,7 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
     sections = [
         ReportSection("Shots", tables=(_shot_table(shots, mean),)),
         _v50_section(result, [*notes, *found]),
-        ReportSection("Mean of MIL-STD-662F", tables=(_mean_table(result),)),
+        ReportSection("Mean of velocities", () if mean else ("none",), tables=(_mean_table(result),) if mean else ()),
         _not_used(shots, name),
     ]
     if result.fits:
@@ -96,7 +96,10 @@ def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
 
 def _not_used(shots: Shots, name: str) -> ReportSection:
     """Return the section with the rows of the table that are not used and why, without those of other lots."""
-    left = [row for row in (shots.read.not_used if shots.read else ()) if not name.startswith(f"{row.column} ")]
+    left = []
+    if shots.read is not None:
+        chosen = dict(shots.read.chosen)
+        left = [row for row in shots.read.not_used if name != f"{row.column} {chosen.get(row.column)}"]
     reason = Column("reason", prose=True), lambda row: f"{row.column}: {row.value or 'blank'}"
     written = Column("as written", prose=True), lambda row: "; ".join(filter(None, row.cells))
     tables = (Table.of(left, Column.of("place", label="row"), reason, written),) if left else ()
