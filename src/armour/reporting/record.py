@@ -82,7 +82,7 @@ def _v50_section(result: FiringResult, notes: Sequence[str]) -> ReportSection:
 def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
     """Tabulate the shots used, and which of them a mean is of."""
     rows = range(len(shots.complete))
-    averaged = shots.averaged(mean.pairs) if mean else set[int]()
+    averaged = _averaged(shots, mean.pairs) if mean else set[int]()
     heading = f"in the mean of {mean.pairs} + {mean.pairs}" if mean else ""
     heading += "" if mean is None or mean.is_allowed else ", spread exceeded"
     return Table.of(
@@ -92,6 +92,13 @@ def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
         (Column("result"), lambda i: RESULTS[shots.complete[i]]),
         (Column(heading), lambda i: "yes" if i in averaged else ""),
     )
+
+
+def _averaged(shots: Shots, pairs: int) -> set[int]:
+    """Return the indices of the shots in the mean: those of the fastest partial and slowest complete penetrations."""
+    order = sorted(range(len(shots.complete)), key=lambda i: shots.velocities_m_s[i])
+    partial, complete = ([i for i in order if shots.complete[i] == kind] for kind in (False, True))
+    return {*partial[-pairs:], *complete[:pairs]}
 
 
 def _not_used(shots: Shots, name: str) -> ReportSection:

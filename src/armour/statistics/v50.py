@@ -132,12 +132,6 @@ class Shots:
         pairs = zip(self.velocities_m_s, self.complete, strict=True)
         return sorted(velocity for velocity, result in pairs if result == complete)
 
-    def averaged(self, pairs: int) -> set[int]:
-        """Return the indices of the shots in the mean: those of the fastest partial and slowest complete ones."""
-        order = sorted(range(len(self.complete)), key=lambda i: self.velocities_m_s[i])
-        partial, complete = ([i for i in order if self.complete[i] == kind] for kind in (False, True))
-        return {*partial[-pairs:], *complete[:pairs]}
-
 
 @dataclass(frozen=True)
 class MeanV50:
