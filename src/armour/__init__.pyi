@@ -13,6 +13,7 @@ from .analysis.impact import StageRecord as StageRecord
 from .analysis.impact import simulate as simulate
 from .design.check import CheckedThreat as CheckedThreat
 from .design.check import CheckResult as CheckResult
+from .design.check import CheckResults as CheckResults
 from .design.check import WhatIf as WhatIf
 from .design.check import check as check
 from .design.optimise import BestDesign as BestDesign

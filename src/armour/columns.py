@@ -35,6 +35,7 @@ YES_MEANS = {"perforated": True, "stopped": False, "counts": True, "excluded": F
 # Bounds of the numbers of a column, by key or else by unit; they tell whether 1,234 means 1234 or 1.234.
 BOUNDS = {
     **dict.fromkeys(("velocity_m_s", "impact.velocity_m_s", "ballistic_limit_m_s"), (10.0, 1e4)),
+    "cost_per_m2": (10.0, 1e5),
     "m/s": (0.0, 1e4),
     "mm": (0.0, 1e3),
     "°": (0.0, 60.0),

@@ -653,7 +653,7 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
             equal.append(place)
         elif first != place:
-            source.wrong(place, f"repeats {first}; if both took place, name them apart in the column {naming}")
+            source.wrong(place, f"repeats {first}; if both are meant, name them apart in the column {naming}")
     return equal
 
 

@@ -66,18 +66,16 @@ class Note:
         What a reader should know.
     key : str
         Dotted key that the warning is about; empty if it is about none.
-    brief : str
-        What lies outside the tests of the model, in a few words; empty for other warnings.
     said : str
-        "caveat" if the answer itself contains the text, "too low" if the armour may stop more than the answer says,
-        "not known" if it is the answer, "pairs" if the table of pairs of materials contains it; else empty.
+        "caveat" if the answer itself contains the text, "far" if it says so in what the armour is far from the tests,
+        "too low" if the armour may stop more than the answer says, "not known" if it is the answer, "pairs" if the
+        table of pairs of materials contains it; else empty.
     about : tuple
         Kind of a caveat, with the numbers or the name that it is about; empty for other warnings.
     """
 
     text: str
     key: str = ""
-    brief: str = ""
     said: str = ""
     about: tuple[str | float, ...] = ()
 
@@ -86,7 +84,7 @@ class Note:
 
     def against(self, threats: str) -> "Note":
         """Return the warning, about some threats only: " against M2", say; "" is for all."""
-        return replace(self, text=self.text + threats, brief=self.brief and self.brief + threats)
+        return replace(self, text=self.text + threats)
 
 
 class ArmourError(Exception):
@@ -183,21 +181,14 @@ def duration(seconds: float) -> str:
     return f"{seconds / 86400:,.0f} days"
 
 
-def in_two_lines(notes: Sequence[Note], where: str) -> list[str]:
-    """Return warnings in at most two lines: what lies outside the tests of the model, and the first other warning.
+def in_one_line(notes: Sequence[Note], where: str) -> list[str]:
+    """Return the first warning that the answer does not contain, and how many more there are, in at most one line.
 
-    Warnings that the answer contains are left out.  `where` says, in words, where all warnings are.
+    `where` says, in words, where all warnings are.
     """
-    outside = [note for note in notes if note.brief and not note.said]
-    other_notes = [note for note in notes if not (note.brief or note.said)]
-    briefs = list(dict.fromkeys(note.brief for note in outside))
-    lines = list(map(str, outside[:1]))
-    if len(briefs) > 1:
-        lines = [f"outside what the model was compared with: {listed(briefs)}; explained {where}"]
-    if other_notes:
-        omitted = len(other_notes) - 1
-        lines.append(f"{other_notes[0]}; {omitted} more {where}" if omitted else str(other_notes[0]))
-    return lines
+    told = [note for note in notes if not note.said]
+    more = f"; {len(told) - 1} more {where}" * (len(told) > 1)
+    return [f"{told[0]}{more}"] if told else []
 
 
 def suggestion(word: str, names: Sequence[str]) -> str:

@@ -20,9 +20,9 @@ from tests.helpers.examples import examples
 PIPE = 1_000_000
 
 
-def printed(*items: Table | str, width: int, title: str = "") -> list[str]:
+def printed(*items: Table | str, width: int) -> list[str]:
     """Lines of a terminal without colours."""
-    return rendered(items, width, title).splitlines()
+    return rendered(items, width).splitlines()
 
 
 def words(lines: list[str]) -> list[str]:
@@ -108,9 +108,9 @@ def test_texts_are_wrapped_before_that(wide: Table):
 def test_a_verdict_is_coloured_and_stands_at_its_numbers():
     table = Table.of_one(None, (Column("limit", "m/s", ".0f"), 724.0))
 
-    for good, colour in ((True, "32"), (False, "31")):
-        lines = rendered([VerdictLine("outcome", good=good), table], 80, "armour", "standard")
-        assert lines.splitlines() == ["\x1b[1marmour\x1b[0m", f"\x1b[1;{colour}moutcome\x1b[0m", "limit  724 m/s"]
+    for good, style in ((True, "1;32"), (False, "1;31"), (None, "1")):
+        lines = rendered([VerdictLine("outcome", good=good), table], 80, "standard")
+        assert lines.splitlines() == [f"\x1b[{style}moutcome\x1b[0m", "limit  724 m/s"]
 
 
 def test_a_terminal_shows_the_first_rows_where_the_rest_is_elsewhere():
@@ -135,7 +135,7 @@ def test_a_record_is_a_list():
 
 def test_titles_and_lines():
     table = Table((Column("a"),), (("1",),), title="of the table")
-    assert printed(table, "a line", width=80, title="above") == ["above", "", "of the table", "a", "─", "1", "a line"]
+    assert printed(table, "a line", width=80) == ["of the table", "a", "─", "1", "a line"]
     assert printed("a line", table, width=80) == ["a line", "", "of the table", "a", "─", "1"]
 
 
@@ -149,7 +149,7 @@ def test_prose_is_wrapped_between_words_and_names_are_not():
 
 def test_titles_and_lines_are_wrapped_between_words():
     table = Table((Column("a"),), (("1",),), title="a title that is too long")
-    assert printed(table, "a line that is too long", width=13, title="above, also too long") == [
+    assert printed("above, also too long", table, "a line that is too long", width=13) == [
         "above, also",
         "too long",
         "",
@@ -196,7 +196,7 @@ def test_empty_tables():
 
 def test_control_characters_are_not_obeyed():
     table = Table((Column("na\x1bme"),), (("\x1b]0;title\x07",),), title="\x1b[2J")
-    lines = printed(table, "\x1b[31m", width=80, title="\r")
+    lines = printed("\r", table, "\x1b[31m", width=80)
     assert lines == ["\\r", "", "\\x1b[2J", "na\\x1bme", "─" * 16, "\\x1b]0;title\\x07", "\\x1b[31m"]
 
 

@@ -51,7 +51,7 @@ def test_one_page_has_what_a_range_files(cli, folder: Path, table: Path):
     page = (folder / "r.md").read_text()
     assert page.startswith("# Record of a firing: Range North, Order 4711\n")
     assert "Date 2026-11-20; V50 of the shots in range.csv: 6.35 mm AD85 on" in page
-    assert "* Asked for: **V50 of at least 700 m/s**; confidence 95 %; " in page
+    assert "Asked for: V50 of at least 700 m/s, confidence 95 %" in page
     shots = rows_of(page, "Shots")
     assert [shot[0] for shot in shots] == ["1", "2", "3", "4", "5", "6"]
     assert shots[1] == ["2", "801.0", "complete", "yes"]

@@ -1,4 +1,5 @@
 import csv
+import json
 import re
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.quantities import QUANTITIES
+from armour.cli.sweeping import ANSWERED
 from armour.scenario.scenario import load_scenario
 from armour.sweeps.tables import read_table
 from tests.helpers.cases import SCENARIOS
@@ -52,6 +54,41 @@ def test_a_picture_of_no_number_says_so(cli, over: tuple[str, ...]):
     assert result.stderr.splitlines()[-1] == "wrote t.svg"
     rows = 2 ** len(over)
     assert f"{rows} of {rows} rows have no ballistic limit." in Path("t.svg").read_text()
+
+
+def test_without_a_file_the_answers_are_printed(cli, folder: Path):
+    result = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6.35,8", "--set", "impact.velocity_m_s=750")
+    header, _, *rows = result.stdout.splitlines()
+    assert header.split("  ")[0] == "ceramic thickness, mm"
+    assert [row.split()[-1] for row in rows] == ["FAILS", "stop"]
+    assert "limit, m/s  stops  verdict" in header
+    [untested, mark] = cli("sweep", WILKINS, *OVER, "--set", 'armour.ceramic="SiC"').stdout.splitlines()[2:]
+    assert re.search(r" \d+\*  +not known  stopped by the model  SiC$", untested)
+    assert mark == "* by the model: no test of such an armour"
+    assert not list(folder.iterdir())
+
+
+def test_against_several_threats_only_the_verdict_is_printed(cli):
+    result = cli("sweep", "oblique", "--over", "armour.backing_thickness_mm=8,16")
+    assert [line.split() for line in result.stdout.splitlines()[2:]] == [["8", "FAILS"], ["16", "FAILS"]]
+    assert "threat" not in result.stderr
+
+
+def test_without_a_file_json_has_the_columns(cli):
+    data = json.loads(cli("sweep", WILKINS, *OVER, "--json").stdout)
+    assert [*data["columns"]][1:] == [*ANSWERED]
+    assert data["columns"]["verdict"] == ["fails"]
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (("--over", f"{CERAMIC}=6:8:0.001"), "--output: must be given for more than 1,000 rows, found 2,001"),
+        ((*OVER, "--scheduler", "local"), "--scheduler: must be given with -o"),
+    ],
+)
+def test_what_needs_a_file(cli, words: tuple[str, ...], found: str):
+    assert cli.fails(2, "sweep", WILKINS, *words) == [f"command line: {found}"]
 
 
 @pytest.mark.parametrize("output", [".", "/"])

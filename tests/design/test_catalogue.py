@@ -64,7 +64,7 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
         return all(stops(posed(case, *layers, *thick, threat), threat.required_m_s) for threat in case.threat)
 
     assert holds(best.ceramic_thickness_mm)
-    assert not holds(best.ceramic_thickness_mm - 2e-6)
+    assert not holds(best.ceramic_thickness_mm - 0.01 - 2e-6)
 
 
 def test_a_density_in_place_of_the_librarys():
@@ -227,7 +227,7 @@ def test_every_design_says_in_what_it_lies_outside_the_tests_as_check_does():
     best = [pair.best for pair in optimise(asked).pairs if pair.best is not None]
     assert {design.ceramic for design in best} == {"AD85", "AD99.5"}
     for design in best:
-        [threat] = check(asked.replaced(design.changes_to(asked))).threats
+        [threat] = check(design.scenario).threats
         assert threat.outside_tests == design.outside_tests
         assert (design.outside_tests.get("ceramic") == inf) == design.untested
 

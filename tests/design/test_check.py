@@ -5,6 +5,7 @@ from armour.design.check import check
 from armour.reporting.views.design import check_junit
 from armour.scenario.inputs import VELOCITY
 from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.known import known
 
 THREATS = [
     {"projectile": "7.62 mm AP", "velocity_m_s": 600.0, "name": "slow"},
@@ -16,20 +17,21 @@ def test_the_impact_is_checked_where_there_is_no_threat():
     [found] = check(scenario(velocity=700.0)).threats
     own = scenario(velocity=700.0)
     assert found.ballistic_limit_m_s == ballistic_limit(own).ballistic_limit_m_s
-    assert found.margin_m_s == found.ballistic_limit_m_s - 700.0
+    assert found.margin_m_s == known(found.expected_limit_m_s) - 700.0
+    assert found.expected_limit_m_s == confidence(own).expected_limit_m_s
     assert found.probability_of_stopping == confidence(own).probability_of_stopping
-    assert found.verdict == "passes"
+    assert found.verdict == "expected to stop"
     assert found.required_probability is None
 
 
 def test_every_threat_and_change_is_what_the_scenario_says_when_changed():
     case = scenario(threat=THREATS, design={"thickness_tolerance_mm": 0.5})
     slow, fast = check(case).threats
-    assert (slow.threat, slow.verdict) == ("slow", "passes")
-    assert fast.verdict == "fails"  # 724 m/s is less than 730
+    assert (slow.threat, slow.verdict) == ("slow", "expected to stop")
+    assert fast.verdict == "fails"  # 715 m/s are expected, and 730 required
     assert [what_if.change for what_if in fast.what_ifs] == [
-        "ceramic 0.5 mm thinner",
-        "back plate 0.5 mm thinner",
+        "tile 0.5 mm thinner",
+        "plate 0.5 mm thinner",
         "5 % faster",
         "at 30°",
     ]
@@ -44,6 +46,7 @@ def test_every_threat_and_change_is_what_the_scenario_says_when_changed():
         assert what_if.ballistic_limit_m_s == other.ballistic_limit_m_s
         assert what_if.probability_of_stopping == other.probability_of_stopping
         assert what_if.interval_m_s == other.interval_m_s
+        assert what_if.expected_limit_m_s == other.expected_limit_m_s
 
 
 @pytest.mark.parametrize(
@@ -59,19 +62,19 @@ def test_a_probability_that_is_unknown_does_not_pass():
     found = check(scenario(ceramic="SiC", velocity=300.0, design={"confidence": 0.6}))
     assert found.verdict == "not known"
     assert found.threats[0].reason
-    assert check(scenario(ceramic="SiC", velocity=300.0)).verdict == "passes"
+    assert check(scenario(ceramic="SiC", velocity=300.0)).verdict == "stopped by the model"
 
 
 @pytest.mark.parametrize("ends", [{"velocity_max_m_s": 200.0}, {"velocity_min_m_s": 2500.0}])
 def test_the_range_of_the_search_changes_nothing(ends: dict[str, float]):
     narrow, wide = (check(scenario(velocity=700.0, **of)) for of in ({"ballistic_limit": ends}, {}))
     assert narrow.threats[0].ballistic_limit_m_s == pytest.approx(wide.threats[0].ballistic_limit_m_s, abs=0.02)
-    assert narrow.verdict == wide.verdict == "passes"
+    assert narrow.verdict == wide.verdict == "expected to stop"
 
 
-def test_an_armour_that_nothing_perforates_passes():
+def test_an_armour_that_nothing_perforates_is_stopped_by_the_model():
     found = check(shipped_scenario("bare_plate").replaced({"armour.backing_thickness_mm": 300.0}))
-    assert (found.verdict, found.threats[0].ballistic_limit_m_s) == ("passes", None)
+    assert (found.verdict, found.threats[0].ballistic_limit_m_s) == ("stopped by the model", None)
 
 
 def test_a_test_case_for_every_threat():
@@ -84,7 +87,7 @@ def test_a_test_case_for_every_threat():
     assert {case.attrib["classname"] for case in cases} == {case.file}
     assert [[part.tag for part in case] for case in cases] == [["skipped", "system-out"], ["failure", "system-out"]]
     assert [case.get("time") for case in cases] == ["1.250", None]
-    assert "ballistic limit by the model 724 m/s" in cases[1][0].attrib["message"]
+    assert "limit 715 m/s expected" in cases[1][0].attrib["message"]
 
 
 def test_an_impact_that_is_no_threat_is_warned_of():

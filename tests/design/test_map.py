@@ -5,7 +5,7 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit, confidence
 from armour.design.catalogue import Catalogue, catalogue_of
-from armour.design.map import DesignMap, design_map, thicknesses_tested
+from armour.design.map import DesignMap, design_map
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import scenario, shipped_scenario
 
@@ -63,11 +63,3 @@ def test_no_velocity_is_known_where_the_error_of_the_model_is_not():
     of = design_map(silicon, 0, [5.0], [5.0], PROBABILITIES)
     assert np.isfinite(of.limits_m_s).all()
     assert np.isnan(of.stopped_m_s).all()
-    assert thicknesses_tested(silicon, 0, 0) == {}
-
-
-def test_tested_thicknesses_are_those_of_wilkins():
-    of = thicknesses_tested(offered(), 0, 0)
-    diameter = offered().against(0, 0).core_armour().D0 * 1000.0
-    assert of["ceramic"] == pytest.approx((0.89 * diameter, 1.21 * diameter))
-    assert of["backing"][0] < of["backing"][1]

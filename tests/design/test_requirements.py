@@ -19,6 +19,7 @@ from armour import (
 )
 from armour.analysis.samples import probability_of_perforation
 from armour.design.catalogue import Catalogue
+from armour.design.requirements import GOOD
 from armour.scenario.effect import check_effect
 from armour.scenario.inputs import BACKING
 from armour.scenario.keys import parts_of
@@ -34,6 +35,7 @@ OWN: dict[str, list[dict[str, Any]]] = {
 }
 # A hull with a tile: costs and limits apply to what is added to it.
 HULL: dict[str, Any] = {**OWN, "existing": "backing", "areal_density_max_kg_m2": 25.0, "cost_max_per_m2": 300.0}
+BY_MODEL = {"model": {"included": False}}
 COVER = {"name": "rubber", "thickness_mm": 1.0, "areal_density_kg_m2": 1.2}
 
 
@@ -48,7 +50,7 @@ def test_a_margin_is_held_against_an_armour_that_is_probable_enough():
     found = check(scenario(threat=threat, design={"confidence": 0.9}))
     assert (found.verdict, found.threats[0].verdict) == ("fails", "fails")
     own = rows(scenario(threat=threat, design={"confidence": 0.9}))
-    assert own["margin_m_s"] == (400.0, pytest.approx(223.8, abs=0.1), "fails")
+    assert own["margin_m_s"] == (400.0, pytest.approx(215.1, abs=0.1), "fails")
     assert own["probability_of_stopping"][2] == "passes"
 
 
@@ -110,18 +112,17 @@ def test_a_density_of_the_catalogue_that_the_armour_lacks_is_named(role: str, de
 
 
 def test_an_impact_within_the_bracket_of_the_limit_fails_where_it_perforates():
-    of = scenario(velocity=723.775)
+    of = scenario(velocity=723.775, uncertainty=BY_MODEL)
     assert simulate(of).outcome == "perforated"
     [threat] = check(of).threats
     assert known(threat.ballistic_limit_m_s) > 723.775
-    assert threat.verdict == "fails"
-    assert known(threat.requirements[0].found) < 0.0
+    assert threat.verdict == "perforated by the model"
 
 
 @pytest.mark.parametrize("velocity", [300.0, 5000.0])
-def test_a_ceramic_of_one_source_is_not_known_unless_the_limit_is_too_low(velocity: float):
+def test_a_ceramic_of_one_source_is_not_known(velocity: float):
     of = scenario(ceramic="B4C", velocity=velocity)
-    assert check(of).verdict == ("not known" if velocity == 300.0 else "fails")
+    assert check(of).verdict == "not known"
     # A model error of one's own, or own tests, are no second source of the flow stress.
     known = of.replaced(
         {
@@ -159,7 +160,8 @@ def test_a_flow_stress_without_tests_needs_two_sources(entry: dict[str, Any], so
     [threat] = check(of).threats
     found = [row.found for row in threat.requirements if row.quantity == "flow_stress_sources"]
     assert found == ([] if sources is None else [sources])
-    assert threat.verdict == ("passes" if sources is None else "not known")
+    assert (threat.verdict in GOOD) == (sources is None)
+    assert threat.verdict in (*GOOD, "not known")
     own = offer("own", [of.armour.ceramic_thickness_mm], "6061-T6", [of.armour.backing_thickness_mm])
     assert (optimise(of.replaced({"design": own})).best is None) == (sources is not None)
 
@@ -167,7 +169,7 @@ def test_a_flow_stress_without_tests_needs_two_sources(entry: dict[str, Any], so
 @pytest.mark.parametrize("key", ["ceramic.flow_stress_GPa", "library.ceramic.SiC.flow_stress_GPa.value"])
 def test_a_number_that_is_set_does_not_keep_the_source_of_another(key: str):
     of = scenario(ceramic="SiC", velocity=300.0)
-    assert check(of).verdict == "passes"
+    assert check(of).verdict == "stopped by the model"
     changed = of.replaced({key: 9.5})
     assert check(changed).verdict == "not known"
     assert check(parse_scenario(changed.to_dict())).verdict == "not known"
@@ -181,7 +183,7 @@ def test_own_tests_give_a_flow_stress_for_which_another_needs_sources():
     value = {"value": own["calibrated"]["ceramic_strength_GPa"], "source": "own tests"}
     entry = {"based_on": "B4C", "flow_stress_GPa": value, "evidence": own}
     fitted = of.replaced({"library.ceramic.own": entry, "armour.ceramic": "own"})
-    assert check(fitted).verdict == "passes"
+    assert check(fitted).verdict == "expected to stop"
     assert check(fitted.replaced({"ceramic.flow_stress_GPa": 16.0})).verdict == "not known"
 
 
@@ -266,8 +268,8 @@ def test_rows_of_a_design_are_built_at_most_three_times(monkeypatch: pytest.Monk
         return rows_of(self, candidates)
 
     monkeypatch.setattr(Catalogue, "against_each", counted)
-    optimise(load_scenario(SCENARIOS / "paper" / "optimum_7.62mm_AP.toml", {"design.confidence": 0.9}))
-    assert len(counts) > 4000
+    optimise(load_scenario(SCENARIOS / "panel.toml", {"design.confidence": 0.9}))
+    assert len(counts) > 1000
     assert max(counts.values()) <= 3
     assert np.mean(list(counts.values())) < 1.1
 
@@ -287,7 +289,10 @@ def test_a_back_plate_that_exists_counts_for_the_limit_alone():
         assert answer.cost_per_m2 == pytest.approx(10.0 * tile_kg_m2)
     assert simulate(of).areal_density_kg_m2 == pytest.approx(tile_kg_m2)
     assert simulate(of).whole_areal_density_kg_m2 == pytest.approx(tile_kg_m2 + hull_kg_m2)
-    assert (found.verdict, best.requirements) == ("passes", (*found.threats[0].requirements, *found.requirements))
+    assert (found.verdict, best.requirements) == (
+        "expected to stop",
+        (*found.threats[0].requirements, *found.requirements),
+    )
     without = {key: HULL[key] for key in HULL if key not in ("existing", "cost_max_per_m2")}
     assert check(scenario(velocity=600.0, design=without)).verdict == "fails"
     assert found.threats[0].ballistic_limit_m_s == check(scenario(velocity=600.0)).threats[0].ballistic_limit_m_s
@@ -325,7 +330,8 @@ def test_a_layer_counts_as_what_a_design_adds(place: str):
 def test_an_armour_with_a_layer_between_tile_and_back_plate_never_passes(design: dict[str, Any]):
     of = scenario(velocity=500.0, design={**OWN, **design})
     between = of.replaced({"armour.layer": [layer("between")]})
-    assert (check(of).verdict, check(between).verdict) == ("passes", "not known")
+    assert check(of).verdict == ("passes" if design else "expected to stop")
+    assert check(between).verdict == "not known"
     assert rows(between)["interlayers"] == (0.0, 1, "not known")
     assert check(between).threats[0].probability_of_stopping is None
     found = optimise(between)
@@ -336,8 +342,7 @@ def test_an_armour_with_a_layer_between_tile_and_back_plate_never_passes(design:
     )
     assert check(given).verdict == "not known" == optimise(given).reason
     fast = between.replaced({"impact.velocity_m_s": 1500.0})
-    assert check(fast).verdict == "fails"
-    assert optimise(fast).reason == "none passes"
+    assert check(fast).verdict == optimise(fast).reason == "not known"
 
 
 SEVERAL: list[dict[str, Any]] = [

@@ -113,7 +113,9 @@ def test_the_scatter_of_shots_is_in_the_probability_and_not_in_the_limit():
     wider = {"design.scatter_percent": 6.0, "design.scatter_source": "tails of our firings"}
     case = scenario(velocity=650.0)
     usual, other = confidence(case), confidence(case.replaced(wider))
-    assert (other.median_m_s, other.interval_m_s) == (usual.median_m_s, usual.interval_m_s)
+    assert other.interval_m_s == usual.interval_m_s
+    # The limit at which half of all shots are stopped moves a little, as the laws of the flow stress differ.
+    assert known(other.expected_limit_m_s) == pytest.approx(known(usual.expected_limit_m_s), abs=1.0)
     assert other.probability_v50_exceeds_velocity == usual.probability_v50_exceeds_velocity
     assert known(other.probability_of_stopping) < known(usual.probability_of_stopping)
     assert known(usual.probability_of_stopping) < known(usual.probability_v50_exceeds_velocity)
@@ -153,7 +155,7 @@ def test_one_probability_in_every_command(law: str, percent: float | None):
     sampled = known(uncertainty(case.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation)
     assert 1.0 - sampled.value == pytest.approx(expected.probability_of_stopping, abs=0.005)
     limit = ballistic_limit(case)
-    assert (limit.interval_m_s, limit.median_m_s) == (expected.interval_m_s, expected.median_m_s)
+    assert (limit.interval_m_s, limit.expected_limit_m_s) == (expected.interval_m_s, expected.expected_limit_m_s)
 
 
 def test_a_flow_stress_of_the_users_counts_in_every_law():

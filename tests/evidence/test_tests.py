@@ -16,12 +16,14 @@ from armour.evidence.model_error import ModelError
 from armour.evidence.tests import (
     TOO_THIN,
     armours_of,
+    far_from_tests,
     is_unusual,
     limits_of_model,
     outside_tests,
     scenario_warnings,
     shipped_evidence,
     threat_warnings,
+    what_was_tested,
 )
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, YIELD
 from armour.scenario.library import shipped_library
@@ -311,4 +313,19 @@ def test_angles_without_a_test_are_those_of_their_threats():
         {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": angle} for angle in (0.0, 30.0, 45.0)
     ]
     [warning] = [note for note in check(scenario(threat=angles)).notes if "at an angle" in note.text]
-    assert warning.brief.startswith("30 to 45° (no test of an armour with a ceramic at an angle) against ")
+    assert warning.said == "far"
+
+
+def test_what_is_far_from_the_tests_is_told_with_what_was_tested():
+    """A thickness counts from 10 % beyond the range, which is that of Wilkins, rounded inwards."""
+    case, diameter_mm = scenario(), 6.5
+    tested = what_was_tested(case, armours_of(case))
+    assert tested.thicknesses_mm["tile"] == pytest.approx((0.89 * diameter_mm, 1.21 * diameter_mm), rel=0.01)
+    low_mm, high_mm = tested.thicknesses_mm["tile"]
+    for tile_mm, is_far in ((0.9 * low_mm, True), (0.95 * low_mm, False), (1.09 * high_mm, False), (12.1, True)):
+        changed = case.replaced({CERAMIC: tile_mm, BACKING: 6.35})
+        words = (f"{tile_mm:.4g} mm tile (tested 5.8 to 7.8 mm)",) * is_far
+        assert far_from_tests(changed, armours_of(changed)) == words
+    other = scenario("7.62 mm APM2", "SiC", "5083-H3")
+    words = ("SiC (no test)", "5083-H3 (on 6061-T6)", "7.62 mm APM2 (with 7.62 mm AP)")
+    assert {*words} <= {*far_from_tests(other, armours_of(other))}

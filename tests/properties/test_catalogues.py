@@ -96,7 +96,7 @@ def compare(seed: int) -> str:
     every, result = designs(case), optimise(case)
     shown, section = result.shown, case.design
     assert section is not None
-    assert shown.check == check(case.replaced(shown.changes_to(case)))
+    assert shown.check == check(shown.scenario)
     by_layers = {each.layers: each for each in every}
     assert by_layers[layers_of(shown)].verdict == shown.check.verdict
     passing = [each for each in every if each.verdict == "passes"]

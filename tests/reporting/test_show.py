@@ -92,7 +92,7 @@ def texts(figure: Any) -> list[str]:
 def test_a_picture_names_armour_and_round_below_the_answer():
     armour = "6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP at 800 m/s"
     drawn = plot(simulate(scenario(), history=True))
-    assert drawn.get_suptitle().strip() == "Perforated, residual velocity 277 m/s"
+    assert drawn.get_suptitle().strip() == "Perforated by the model: 277 m/s left of 800 m/s"
     assert armour in texts(drawn)
     # The scenario of a result that is made by hand is that of its figure.
     assert armour in texts(plot(uncertainty_result(), scenario()))

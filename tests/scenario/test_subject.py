@@ -3,7 +3,7 @@
 import pytest
 
 from armour import load_scenario
-from armour.scenario.scenario import ANY_VELOCITY, Varied, heading
+from armour.scenario.scenario import ANY_VELOCITY, Varied
 from armour.scenario.schema import Threat
 from tests.helpers.cases import scenario
 
@@ -41,8 +41,3 @@ def test_threats_are_in_place_of_the_impact():
     threats = [Threat(name=name, projectile="7.62 mm APM2", velocity_m_s=800.0) for name in ("a", "b", "c", "d")]
     assert scenario().subject({}, threats[:1]).endswith(" against 7.62 mm APM2 at 800 m/s")
     assert scenario().subject({}, threats).endswith("6061-T6 against 4 threats")
-
-
-def test_the_title_is_shown_beside_the_armour_and_the_round():
-    assert heading("8 mm SiC against 7.62 mm AP", "Door") == ["8 mm SiC against 7.62 mm AP", "scenario: Door"]
-    assert heading("8 mm SiC against 7.62 mm AP", "") == ["8 mm SiC against 7.62 mm AP"]

@@ -1,6 +1,5 @@
 """A sweep gives for every row, once, what the scenario with its values gives, interrupted or not."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,10 +7,12 @@ import numpy as np
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import Group, evaluate, evaluate_groups
+from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
+from armour.design.check import evaluated
 from armour.errors import InputError, duration
+from armour.scenario.scenario import Scenario
 from armour.sweeps import sweep as sweeps
 from armour.sweeps.cases import SweepCases
 from armour.sweeps.sweep import job_of, write_sweep
@@ -166,13 +167,13 @@ def test_slow_rows_at_the_start_make_chunks_small(tmp_path: Path, monkeypatch: p
     source = sweep_grid("impact.velocity_m_s=900,900,900,900,700,700,700,700,700,700,700,700,700,700,700,700")
     clock = [0.0]
 
-    def evaluated(groups: Sequence[Group], *of: Any) -> Any:
+    def timed(of: Scenario, rows: dict[str, Any], *others: Any) -> Any:
         """Let a fast impact take long."""
-        clock[0] += sum(float(np.where(group.variants.velocities > 800.0, 10.0, 1.0).sum()) for group in groups)
-        return evaluate_groups(groups, *of)
+        clock[0] += float(np.where(rows["impact.velocity_m_s"] > 800.0, 10.0, 1.0).sum())
+        return evaluated(of, rows, *others)
 
     monkeypatch.setattr(sweeps, "perf_counter", lambda: clock[0])
-    monkeypatch.setattr(sweeps, "evaluate_groups", evaluated)
+    monkeypatch.setattr(sweeps, "evaluated", timed)
     effort = sweeps.effort_of(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv")
     assert (effort.row_s, effort.seconds) == (10.0, 16 * 13.0 / 4)
 
@@ -182,13 +183,13 @@ def test_reading_data_does_not_make_a_sweep_seem_long(tmp_path: Path, monkeypatc
     source = sweep_grid(f"armour.ceramic_thickness_mm=4:{3 + rows}:1")
     clock, loads = [0.0], [100.0]
 
-    def evaluated(groups: Sequence[Group], *of: Any) -> Any:
+    def timed(of: Scenario, rows: dict[str, Any], *others: Any) -> Any:
         """Let the first rows take long."""
-        rows = sum(len(group.variants.velocities) for group in groups)
-        clock[0] += rows + (loads.pop() if rows > 1 and loads else 0.0)
-        return evaluate_groups(groups, *of)
+        count = len(rows["armour.ceramic_thickness_mm"])
+        clock[0] += count + (loads.pop() if count > 1 and loads else 0.0)
+        return evaluated(of, rows, *others)
 
     monkeypatch.setattr(sweeps, "perf_counter", lambda: clock[0])
-    monkeypatch.setattr(sweeps, "evaluate_groups", evaluated)
+    monkeypatch.setattr(sweeps, "evaluated", timed)
     effort = sweeps.effort_of(sweep_scenario(), source, ["outcome"], tmp_path / "a.csv")
     assert (effort.row_s, effort.seconds) == (1.0, rows)

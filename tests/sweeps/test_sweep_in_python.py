@@ -8,6 +8,7 @@ import pyarrow as pa
 import pytest
 
 from armour.analysis.quantities import QUANTITIES
+from armour.design.check import check
 from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from armour.sweeps.sweep import sweep
@@ -190,6 +191,49 @@ def test_the_file_is_found_from_another_folder(tmp_path: Path, monkeypatch: pyte
     (tmp_path / "out.csv").unlink()
     with pytest.raises(InputError, match=r"out\.csv: cannot be read: no such file"):
         found.columns  # noqa: B018
+
+
+SPREAD = {"distribution": "normal", "standard_deviation": 20.0}
+THREAT = [{"projectile": "7.62 mm APM2", "velocity_m_s": 700.0, "margin_m_s": 25.0}]
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {},
+        {"design": {"probability_of_stopping": 0.9, "areal_density_max_kg_m2": 40.0}},
+        {"threat": THREAT, "design": {"thickness_max_mm": 14.0}},
+        {"uncertainty": {"model": {"included": False}}},
+        {
+            "design": {"probability_of_stopping": 0.6},
+            "uncertainty": {"samples": 128, "impact": {"velocity_m_s": SPREAD}},
+        },
+    ],
+    ids=["nothing required", "probability and weight", "threat", "by the model", "sampled"],
+)
+def test_the_verdict_is_that_of_a_check_of_each_row(sections: dict[str, Any]):
+    of, over = scenario(**sections), {CERAMIC: [5.0, 8.5], "armour.ceramic": ["AD85", "SiC"]}
+    found = sweep(of, over, "verdict")
+    rows = [{CERAMIC: mm, "armour.ceramic": name} for mm in (5.0, 8.5) for name in ("AD85", "SiC")]
+    assert found["verdict"].tolist() == [check(of.replaced(row)).verdict for row in rows]
+    assert not [warning for warning in found.warnings if warning.startswith(("threat", "verdict", "uncertainty"))]
+
+
+def test_the_verdict_depends_on_what_a_check_reads():
+    threats = scenario(threat=THREAT, ceramic_mm=8.0)
+    found = sweep(threats, {"design.areal_density_max_kg_m2": [30.0, 50.0]}, "verdict")["verdict"].tolist()
+    assert found == ["fails", "expected to stop"]
+    with pytest.raises(InputError, match=r"impact\.velocity_m_s: must have an effect: verdict does not depend on it"):
+        sweep(threats, {"impact.velocity_m_s": [700.0]}, "verdict")
+    both = sweep(threats, {"impact.velocity_m_s": [500.0, 900.0]}, ["verdict", "outcome"])
+    assert both["verdict"].tolist() == 2 * [check(threats).verdict]
+    assert both["outcome"].tolist() == ["stopped", "perforated"]
+
+
+def test_a_file_has_the_verdicts(tmp_path: Path):
+    names = ["verdict", "expected_limit_m_s"]
+    kept, found = sweep(scenario(), OVER, names), sweep(scenario(), OVER, names, tmp_path / "t.csv")
+    assert found["verdict"].tolist() == kept["verdict"].tolist()
 
 
 def test_threats_that_a_sweep_does_not_use_are_told():

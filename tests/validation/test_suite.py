@@ -50,7 +50,7 @@ def test_a_table_is_a_case_a_row(folder: Path):
     percent = TABLE.replace("\nband = 10.0", "\nband_percent = 10.0")
     suite = load(folder, percent + "set.armour.backing_thickness_mm = 5.0\n")
     first, second = suite.cases
-    assert first.full_name == "t: ceramic thickness 6.35 mm"
+    assert first.full_name == "t: tile thickness 6.35 mm"
     assert (second.scenario.armour.ceramic_thickness_mm, second.scenario.armour.backing_thickness_mm) == (6.35, 5.0)
     assert (second.expected, second.place) == (730.0, ("table", 0, "rows", 1, 1))
     assert second.band == pytest.approx(73.0)
@@ -97,7 +97,7 @@ def test_only_some(folder: Path):
     (folder / "t.csv").write_text(CSV)
     suite = load(folder, FILE + "mean_band_percent = 5.0\ngroup = [{ name = 'A', where.lot = 'A' }]\n" + CASE + TABLE)
     assert suite.only("") == suite
-    assert [found.name for found in suite.only("T: CERAMIC").cases] == 2 * ["ceramic thickness 6.35 mm"]
+    assert [found.name for found in suite.only("T: TILE").cases] == 2 * ["tile thickness 6.35 mm"]
     assert suite.only("6.35").tables == suite.tables[1:]
     # A part of the rows of a file is not held to bands.
     [table] = suite.only("two").tables
@@ -171,6 +171,7 @@ MISTAKES = {
         ("724.0", "1" + 400 * "0", "case[0].expected: must be a number, found a whole number of more than 64 bits"),
         ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
         ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
+        ("ballistic_limit_m_s", "verdict", "case[0]: a verdict has no band, found band"),
         ("wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
         ("band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD85x"', f"{IN_SCENARIO}armour.ceramic: must name a"),
         ("ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),
@@ -178,6 +179,7 @@ MISTAKES = {
     OUTCOME: [
         ("stopped", "undecided", 'case[0]: expected must be "stopped" or "perforated" (or partial or complete'),
         ('"stopped"', '"stopped"\nmeasured = 1.0', "case[0]: an outcome has no difference from a measured"),
+        ("outcome", "verdict", "case[0]: expected must be one of fails, perforated by the model, not known"),
     ],
     TABLE: [
         ("6.35, 730.0]", "730.0]", "table[0]: every row must have the 2 numbers of the columns, found 1 in row"),
@@ -237,7 +239,7 @@ def test_tables_have_names_of_their_own(folder: Path):
 
 def test_rows_are_named_by_the_layer_that_differs(folder: Path):
     text = TABLE.replace("armour.ceramic_thickness_mm", "backing.density_kg_m3").replace("[6.35", "[2700.0")
-    assert load(folder, text).cases[0].name == "back plate density 2700 kg/m³"
+    assert load(folder, text).cases[0].name == "plate density 2700 kg/m³"
 
 
 GRID = grid((0.0, 60.0, 1.0), (1.0, 60.0, 1.0))

@@ -35,6 +35,16 @@ def the_check(folder: Path, text: str) -> Check:
     return check
 
 
+@pytest.mark.parametrize(("expected", "status"), [("fails", "outside"), ("passes", "within"), ("not known", "outside")])
+def test_a_verdict_is_that_of_a_check(folder: Path, expected: str, status: str):
+    required = "set.design.probability_of_stopping = 0.9\nset.impact.velocity_m_s = 500.0"
+    text = (
+        f'[[case]]\nname = "a"\nscenario = "wilkins.toml"\nquantity = "verdict"\nexpected = "{expected}"\n{required}\n'
+    )
+    found = the_check(folder, text)
+    assert (found.computed, found.status) == ("passes", status)
+
+
 def test_within_and_outside(folder: Path):
     found = result(folder, case("in", 724.0, "band = 1.0") + case("out", 725.0, "band = 1.0"))
     inside, outside = found.checks
@@ -239,8 +249,8 @@ def test_an_update_writes_what_is_computed_and_nothing_else(folder: Path):
     )
     found = result(folder, text)
     assert [(update.case.full_name, update.case.expected, update.computed) for update in updates_of(found)] == [
-        ("t: ceramic thickness 6.35 mm", 720.0, float(AS_WRITTEN)),
-        ("t: ceramic thickness 6.35 mm", 730.0, float(AS_WRITTEN)),
+        ("t: tile thickness 6.35 mm", 720.0, float(AS_WRITTEN)),
+        ("t: tile thickness 6.35 mm", 730.0, float(AS_WRITTEN)),
         ("a", 725.0, float(AS_WRITTEN)),
         ("c", "stopped", "perforated"),
     ]

@@ -353,6 +353,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
     "--earlier": read("e.csv", SHOTS),
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
+    "--keep": of("offer", *TEXTS),
     "--where": of("panel=A", "panel=1", "remark=x", "x", *TEXTS),
     "--sheet": of("Sheet1", *TEXTS),
     "--from": of("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),

@@ -175,8 +175,8 @@ class LimitResult(Result):
         Relative error of the ballistic limit by the model; None if it is not known.
     interval_m_s : tuple of float or None
         Interval in which the ballistic limit of the armour lies with a probability of 95 %, given this error, m/s.
-    median_m_s : float or None
-        Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
+    expected_limit_m_s : float or None
+        Velocity at which the armour stops a shot with a probability of 50 %, given this error, m/s.
     reason : str
         Reason why the error is not known; empty if it is.
     """
@@ -192,7 +192,7 @@ class LimitResult(Result):
     notes: tuple[Note, ...]
     model_error: ModelError | None = None
     interval_m_s: tuple[float, float] | None = None
-    median_m_s: float | None = None
+    expected_limit_m_s: float | None = None
     whole_areal_density_kg_m2: float = 0.0
     reason: str = ""
 
@@ -245,7 +245,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         notes=(*warnings, *scenario.unused_distributions()),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
-        median_m_s=None if error is None else error.median(limit),
+        expected_limit_m_s=None if error is None else error.median(limit),
         reason="" if error is not None else row.why_error_unknown(),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
@@ -363,8 +363,8 @@ class ConfidenceResult(Result):
         Reason why the probability is not known.
     notes : tuple of Note
         Ways in which the scenario is unlike what the model was compared with.
-    median_m_s : float or None
-        Ballistic limit that the armour exceeds with a probability of 50 %, given this error, m/s.
+    expected_limit_m_s : float or None
+        Velocity at which the armour stops a shot with a probability of 50 %, given this error, m/s.
     interval_m_s : tuple of float or None
         Interval in which the ballistic limit of the armour lies with a probability of 95 %, m/s.
     probability_at_normal_incidence : float or None
@@ -381,7 +381,7 @@ class ConfidenceResult(Result):
     model_error: ModelError | None
     reason: str = ""
     notes: tuple[Note, ...] = ()
-    median_m_s: float | None = None
+    expected_limit_m_s: float | None = None
     interval_m_s: tuple[float, float] | None = None
     probability_at_normal_incidence: float | None = None
     flow_stress: NeededFlowStress | None = None
@@ -427,7 +427,7 @@ def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> C
             probability,
             limit,
             error,
-            median_m_s=error.median(limit),
+            expected_limit_m_s=error.median(limit),
             interval_m_s=error.interval(limit),
             probability_v50_exceeds_velocity=float(error.probability_v50_exceeds(limit, row.velocities[0])),
         )

@@ -11,15 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from armour.analysis.quantities import QUANTITIES, reads_of
+from armour.analysis.quantities import QUANTITIES, reads_of, with_round
 from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, ballistic_limits, grid_of, variants_of
 from armour.core import equations
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse, restated
+from armour.evidence.mixture import Mixture
 from armour.evidence.tests import outside_tests
 from armour.scenario.effect import check_columns, check_effect
-from armour.scenario.inputs import INPUTS, ROUND_AND_ARMOUR
+from armour.scenario.inputs import INPUTS
 from armour.scenario.keys import canonical, parts_of
 from armour.scenario.scenario import EXACT_INPUTS, Place, Scenario, in_row
 from armour.units import MM, G
@@ -65,9 +66,9 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
         changed = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
     except InputError:
         return  # the check of the rows reports it
-    reads, computed = {*ROUND_AND_ARMOUR, *reads_of(quantities)}, " or ".join(quantities)
-    check_effect(map(parts_of, row), [(changed, reads)], file, computed)
-    check_columns(changed, list(row), reads, file, computed)
+    reads, computed = [with_round(QUANTITIES[name].reads) for name in quantities], " or ".join(quantities)
+    check_effect(map(parts_of, row), [(changed, each) for each in reads], file, computed)
+    check_columns(changed, list(row), set().union(*reads), file, computed)
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
@@ -115,17 +116,21 @@ def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
 def evaluate_groups(
     groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None
 ) -> tuple[dict[str, Any], Counter[str]]:
-    """Evaluate quantities for groups of rows, see `evaluate`; return them, and the number of rows of each warning."""
+    """Evaluate quantities for groups of rows, see `evaluate`; return them, and the number of rows of each warning.
+
+    The verdict is left out, as `armour.design.check.evaluated` gives it.
+    """
     answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
+    computed = {name: compute for name in quantities if (compute := QUANTITIES[name].compute) is not None}
     columns = {
-        name: np.concatenate([QUANTITIES[name].compute(answer) for answer in answers])[order] for name in quantities
+        name: np.concatenate([compute(answer) for answer in answers])[order] for name, compute in computed.items()
     }
     warnings: Counter[str] = Counter()
     for answer in answers:
         warnings.update(dict(answer.variants.outside_limits(velocities="impact" in reads_of(quantities))))
         warnings.update(answer.changes(quantities))
-        if "uncertainty.model" in reads_of(quantities) and answer.variants.scenario.unused_distributions():
+        if "uncertainty.model" in reads_of(computed) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
     return columns, warnings
 
@@ -221,10 +226,15 @@ class QuantityValues:
         """Velocities of the plugs, m/s; 0 if the projectile is stopped."""
         return np.where(self.perforated, self.impacts.W, 0.0)
 
+    @cached_property
+    def shots(self) -> Mixture:
+        """Distributions of the velocities below which shots are stopped, given model error and scatter of shots."""
+        return self.variants.shot_distributions(self.ballistic_limits)
+
     @property
     def probabilities_of_stopping(self) -> Floats:
-        """Probabilities of stopping a shot, given the model error and the scatter of shots."""
-        by_tests = self.variants.shot_distributions(self.ballistic_limits).probability_above(self.variants.velocities)
+        """Probabilities of stopping a shot."""
+        by_tests = self.shots.probability_above(self.variants.velocities)
         return np.minimum(by_tests, self.variants.errors.greatest)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:

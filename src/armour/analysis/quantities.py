@@ -22,6 +22,8 @@ OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
 OF_WEIGHT = ("design.added_areal_density_kg_m2", "design.existing")
 DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "armour.layer", "design", "uncertainty")
 
+# Name of the quantity that is the verdict of `check`.
+VERDICT = "verdict"
 # Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
 OF_CHECK = (
     *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
@@ -61,13 +63,15 @@ ANSWERS = {
 
 
 class Quantity(NamedTuple):
-    """A number, or the outcome, that can be computed for a scenario."""
+    """A number, or a word such as the outcome, that can be computed for a scenario."""
 
     label: str
     unit: str
     spec: str  # format specification in tables; those of a sweep show six digits
     reads: tuple[str, ...]  # sections and keys that it depends on besides projectile, armour, model and solver
-    compute: Callable[[Any], Any]  # takes `armour.analysis.evaluate.QuantityValues`, returns the values of the rows
+    # Takes `armour.analysis.evaluate.QuantityValues`, returns the values of the rows; None for the verdict, which
+    # `armour.design.check` gives.
+    compute: Callable[[Any], Any] | None
     least: str = ""  # layer whose least thickness this quantity is, or is computed from
 
     @property
@@ -77,7 +81,7 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES: dict[str, Quantity] = {
-    "outcome": Quantity("outcome", "", "", OF_IMPACT, lambda a: a.outcomes),
+    "outcome": Quantity("outcome by the model", "", "", OF_IMPACT, lambda a: a.outcomes),
     "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.residual_velocities),
     "residual_mass_g": Quantity("residual mass", "g", ".2f", OF_IMPACT, lambda a: a.residual_masses),
     "residual_length_mm": Quantity("residual length", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.L / MM),
@@ -98,14 +102,16 @@ QUANTITIES: dict[str, Quantity] = {
         lambda a: a.variants.areal_densities_kg_m2(whole=True),
     ),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
+    "expected_limit_m_s": Quantity("expected limit", "m/s", ".0f", (*OF_LIMIT, *OF_ERROR), lambda a: a.shots.medians()),
     "probability_of_stopping": Quantity(
         "probability of stopping the projectile", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
     ),
+    VERDICT: Quantity("verdict", "", "", _CHECK, None),
     "required_ceramic_thickness_mm": Quantity(
-        "required ceramic thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
+        "required tile thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
     ),
     "required_backing_thickness_mm": Quantity(
-        "required back plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
+        "required plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
     ),
     "required_total_thickness_mm": Quantity(
         "required thickness of both layers in proportion",
@@ -125,13 +131,21 @@ QUANTITIES: dict[str, Quantity] = {
     ),
 }
 
+# Quantities that are words, with an article for messages.
+WORDS = {"outcome": "an outcome", VERDICT: "a verdict"}
 # Words of keys that people read in another spelling.
-SPELLING = {"backing": "back plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
+SPELLING = {"backing": "plate", "caliber": "calibre", "m2": "m²", "youngs": "Young's"}
 
 
 def reads_of(names: Iterable[str]) -> set[str]:
     """Return the sections and keys that the named quantities depend on, see `Quantity.reads`."""
     return {read for name in names for read in QUANTITIES[name].reads}
+
+
+def with_round(reads: Iterable[str]) -> set[str]:
+    """Return what a quantity depends on, given its `reads`, with projectile and armour, which threats may replace."""
+    reads = {*reads}
+    return reads if "threat" in reads else {*ROUND_AND_ARMOUR, *reads}
 
 
 def label_and_unit(name: str) -> tuple[str, str]:
@@ -142,16 +156,17 @@ def label_and_unit(name: str) -> tuple[str, str]:
         return "model error", "%"
     words, unit = words_and_unit(name)
     words = "yield strength" if name == YIELD else _spelt(words)  # static where no dynamic one is known
+    words = words.replace("ceramic thickness", "tile thickness")
     if "." in name:
         *sections, _ = parts_of(name)
         if len(sections) > 1:
             # A value of the library has the name of its entry.
             words = f"{sections[-1]} {words}"
         elif {*sections} & {"impact", *ROLES} and not words.startswith(("penetrator", "projectile")):
-            words = f"{_spelt(sections[0])} {words}"
+            words = f"{_spelt(sections[0].replace('projectile', 'penetrator'))} {words}"
     return words, unit
 
 
 def _spelt(words: str) -> str:
-    """Return the words of a key as people read them: "backing thickness" as "back plate thickness"."""
+    """Return the words of a key as people read them: "backing thickness" as "plate thickness"."""
     return " ".join(SPELLING.get(word, word) for word in words.split(" "))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from armour.errors import Note
 from armour.files import finite
-from armour.scenario.scenario import Scenario, heading
+from armour.scenario.scenario import Scenario
 
 
 def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
@@ -40,8 +40,9 @@ class Result:
     ----------
     question : mapping
         What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
-        ``shots``; ``confidence``, the result that has the probability of an impact; ``changed``, equations that are not
-        those of this program, in words; ``every_row``, whether to show all rows.  Each may be missing.
+        ``shots``; ``name`` and ``labels`` of an offer; ``confidence``, the result that has the probability of an
+        impact; ``changed``, equations that are not those of this program, in words; ``every_row``, whether to show all
+        rows.  Each may be missing.
     """
 
     question: ClassVar[Mapping[str, Any]] = {}
@@ -61,11 +62,11 @@ class Result:
         vars(self)["question"] = {**self.question, **words, **question}
         return self
 
-    def heading(self) -> list[str]:
-        """Return the first lines of every output; none for a result whose question is not recorded."""
+    def subject(self) -> str:
+        """Return what was computed, in words; "" for a result whose question is not recorded."""
         scenario = self.question.get("scenario")
-        computed = self.question.get("computed") or (scenario.subject() if scenario else "")
-        return heading(computed, scenario.title if scenario else "") if computed else []
+        words: str = self.question.get("computed") or (scenario.subject() if scenario else "")
+        return words
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, with None for NaN and infinity."""
@@ -75,7 +76,7 @@ class Result:
     def __repr__(self) -> str:
         # How results are shown belongs to a higher layer.
         line: str = import_module("armour.reporting.by_result").in_a_line(self)
-        return f"<{': '.join(filter(None, [type(self).__name__, *self.heading()[:1], line]))}>"
+        return f"<{': '.join(filter(None, [type(self).__name__, self.subject(), line]))}>"
 
     def _repr_html_(self) -> str | None:
         """Return the tables that the command prints, as HTML for a notebook; None if there are none."""

@@ -178,6 +178,13 @@ class Variants(_Rows):
         errors = self.errors
         return errors.of_shots.ratio.times(self.limits_by_law(errors, limits))
 
+    def expected_limits(self, limits: Floats) -> Floats:
+        """Return the expected limits of n armours, at which half of all shots are stopped, m/s, (n,).
+
+        They are NaN where the model error is not known; `limits`, m/s, are those of the model.
+        """
+        return self.shot_distributions(limits).medians()
+
     def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
         """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
 
@@ -201,10 +208,14 @@ class Variants(_Rows):
         section.  A row whose own limit is NaN has NaN for all laws.
         """
         limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
-        for law in range(1, len(limits)):
-            rows = np.flatnonzero((errors.ratio.weights[law] > 0.0) & ~np.isnan(own_limits))
-            if len(rows):
-                limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
+        has_law = (errors.ratio.weights > 0.0) & ~np.isnan(own_limits)
+        laws = [(law, rows) for law in range(1, len(limits)) if len(rows := np.flatnonzero(has_law[law]))]
+        if len(own_limits) == 1 and laws:  # few, computed at once
+            several = concatenated([self.by_law(law, errors) for law, _ in laws])
+            limits[[law for law, _ in laws], 0] = several.limits_anywhere()
+            return limits
+        for law, rows in laws:
+            limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
         return limits
 
     def changes_above(self, limits: Floats) -> Bools:

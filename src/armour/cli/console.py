@@ -16,7 +16,7 @@ from armour.reporting.table import Table, printable_lines
 _COMMAND = re.compile(r"(?m)^([^\S\n]*):(?=:)|#(?=#(?:\[|vso\[))")
 
 
-def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
+def show(*items: Table | str, stderr: bool = False) -> None:
     """Print tables and lines, fitted to the width of a terminal; a pipe that its reader has closed is no error."""
     from rich.console import Console
 
@@ -24,7 +24,7 @@ def show(*items: Table | str, title: str = "", stderr: bool = False) -> None:
 
     console = Console(stderr=stderr)
     room = console.width if console.is_terminal else UNLIMITED
-    _write(rendered(items, room, title, console.color_system), sys.stderr if stderr else sys.stdout)
+    _write(rendered(items, room, console.color_system), sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:

@@ -1,6 +1,6 @@
 """Commands on tests of armours: estimate from them, and plan the next shot."""
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -29,8 +29,8 @@ from armour.cli.options import (
     word_option,
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
-from armour.errors import point_hint, refuse
-from armour.files import WORKBOOKS, shell_line, shipped_tests, wrong_ending
+from armour.errors import NoAnswerError, point_hint, refuse
+from armour.files import WORKBOOKS, parse_toml, shell_line, shipped_tests, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
@@ -105,6 +105,7 @@ def v50(
     --------
     armour v50 tests/shots wilkins --plot v50.svg
     """
+    from armour.analysis.estimates import CONFIDENCE
     from armour.cli.firings import each_result
     from armour.statistics.v50 import compared
 
@@ -148,6 +149,13 @@ def v50(
     if report is not None:
         files = {**files, report: lambda path: _record(found, path)}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
+    if each is None and found.decision == "not decided":
+        required = ["--requirement-m-s", f"{requirement_m_s:g}"]
+        runner.propose(shell_line(["armour", "plan", "shots", runner.source_word(table), *required]))
+    elif each is None and loaded is not None and not found.decision and found.bounded_confidence == CONFIDENCE:
+        low, high = found.bounded_interval_m_s
+        measured = f"{found.recommended.v50_m_s:.0f} ± {0.25 * (high - low):.0f} m/s"
+        runner.propose(f"armour calibrate, with this V50 as a test: {measured}")
     if requirement_m_s is not None and (unanswered or any(result.decision != "met" for result in results)):
         raise typer.Exit(runner.CHECK_FAILED)
     if unanswered:
@@ -206,7 +214,9 @@ def calibrate(
     armour calibrate tests/wilkins wilkins --write mine.toml --lot 'lot 7' --plot fit.svg
     armour calibrate tests/wilkins wilkins --law backing --write-scenario fitted.toml --lot 'lot 7'
     """
+    from armour.scenario.scenario import parse_scenario
     from armour.statistics.fitted_library import library_text, scenario_text
+    from armour.statistics.own_tests import repeated
 
     if is_table(scenario):
         table, scenario = scenario, table
@@ -224,6 +234,11 @@ def calibrate(
         library: lambda _: library_text(result, tests, loaded, lot),
         fitted: lambda path: scenario_text(result, tests, loaded, lot, path),
     }
+    if fitted is not None:
+        with suppress(NoAnswerError):  # which `answer` raises when it writes the file
+            data = parse_toml(scenario_text(result, tests, loaded, lot, fitted), str(fitted))
+            now = armour.confidence(parse_scenario(data, file=str(fitted), folder=fitted.parent))
+            result.of(before=armour.confidence(loaded), now=now)
     answer(result, loaded, files, plot=plot, file=tests.file, as_json=as_json, verbose=verbose)
     if fitted is not None:
         for role in dict.fromkeys(each.name.partition(".")[0] for each in result.coefficients):
@@ -231,8 +246,8 @@ def calibrate(
             if own != tested:
                 say(f"note: {fitted}: {NAMES[role]}: is {tested}, {lot}, as tested, in place of {own}")
         runner.propose(shell_line(["armour", "check", runner.source_word(fitted)]))
-    elif result.evidence is not None and library is None:
-        runner.propose(f"{runner.command_line()} --write-scenario fitted.toml --lot 'lot 1'")
+    elif result.evidence is not None and library is None and not repeated(tests):
+        runner.propose("add --write-scenario fitted.toml --lot 'lot 1'")
 
 
 def is_table(path: Path) -> bool:
@@ -402,5 +417,11 @@ def plan_shots(
                 planned, notes, files = firings.plan_after(plan, *change)
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
         answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
+    if each is None and planned.next_velocity_m_s is not None and not is_fired and not undo:
+        shot = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
+        runner.propose(f"add {'' if table else 'shots.csv '}{shot}")
+    elif each is None and planned.next_velocity_m_s is None and table is not None:
+        command = ["armour", "v50", runner.source_word(table)]
+        runner.propose(shell_line([*command, *([runner.source_word(loaded.file)] if loaded else [])]))
     if each is not None and planned.unanswered:
         raise typer.Exit(runner.NO_ANSWER)

@@ -24,6 +24,8 @@ COLUMN_GAP = 2
 UNLIMITED = 1_000_000
 # Largest number of rows that a terminal shows of a table whose other rows are found elsewhere.
 MOST_ROWS = 25
+# Styles of a line with an answer, by whether it is good.
+STYLES = {None: "bold", True: "bold green", False: "bold red"}
 # Layouts of a table, tried one after the other until it fits.
 PLAIN_LAYOUT, STACKED, NARROW = range(3)
 # Least width of a column of prose.
@@ -34,7 +36,7 @@ STAND_IN = "\ue000"
 ROW_RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
 
-def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: Any = None) -> str:
+def rendered(items: Iterable[Table | str], room: int, colours: Any = None) -> str:
     """Format tables and lines for a width of ``room`` characters, with an empty line above each table.
 
     ``colours`` is the name in rich of the terminal's colour system; if it is None, nothing is bold or coloured.
@@ -43,18 +45,16 @@ def rendered(items: Iterable[Table | str], room: int, title: str = "", colours: 
     # Wider than any line, as rich would cut lines that are too long.
     console = Console(file=shown, width=UNLIMITED, height=1, color_system=colours, force_terminal=bool(colours))
     above: Table | str = ""
-    if title:
-        console.print(_text(console, title, room, "bold"))
     for item in items:
         beside = not above or (isinstance(above, VerdictLine) and isinstance(item, Table) and item.record)
         above = item
         if isinstance(item, Table):
-            if not beside or (title and item.title):
+            if not beside:
                 console.print()
             for part in _parts(console, item, room):
                 console.print(part)
         else:
-            style = ("bold green" if item.good else "bold red") if isinstance(item, VerdictLine) else ""
+            style = ("yellow" if item.unsure else STYLES[item.good]) if isinstance(item, VerdictLine) else ""
             console.print(_text(console, item, room, style))
     lines = shown.getvalue().replace(STAND_IN, " ").split("\n")
     return "\n".join(line.rstrip(" ") for line in lines)

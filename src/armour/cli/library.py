@@ -24,7 +24,7 @@ from armour.files import (
     shipped_tests,
     wrong_ending,
 )
-from armour.reporting.table import Table
+from armour.reporting.table import Table, VerdictLine
 
 # First line of a scenario, by which editors find the schema to check it; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
@@ -70,13 +70,12 @@ def library(
         data[kind][name] = item.model_dump() if kind == "threat" else item.to_dict()
         if partners is not None:
             data[kind][name]["tested_with"] = partners[_in_tests(kind, name, item)]
-    heading: list[str] = []
     tables: list[Table | str] = [*views.tables_by_kind(items, partners)]
     if len(found) == 1 and not tested:
         [(kind, name, item)] = found
-        heading = [f"{name} ({kind})"]
         tables = [*tables, f"source: {item.source}"] if kind == "threat" else views.entry_tables(item)
-    show_answer(data, tables, as_json=as_json, heading=heading)
+        tables.insert(0, VerdictLine(f"{name} ({kind})"))
+    show_answer(data, tables, as_json=as_json)
 
 
 def _in_tests(kind: Any, name: str, item: Any) -> tuple[Any, str]:

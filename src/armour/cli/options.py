@@ -80,7 +80,10 @@ REQUIRED_PROBABILITY = number_option(
     "Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.",
     share,
 )
+BY_MODEL = flag("Answer by the model alone, as if no tests were known; no probability may be required.", "--by-model")
 CONFIDENCE = option("Another name of --probability.", metavar="NUMBER", parser=share, hidden=True)
+SHEET = option("Sheet of a workbook of cases, by default the first.", metavar="NAME")
+KEEP = option("Column of the cases to keep as a label, such as the name of an offer; repeatable.", metavar="COLUMN")
 PLOT = file_option("Draw the result to a .png, .svg or .pdf file.")
 FORCE = flag("Replace existing files.", "--force")
 AS_JSON = flag("Print one JSON object and nothing else.", "--json")

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import armour
 from armour.analysis.quantities import Answer
 from armour.cli.console import emit, say, show, show_json
-from armour.errors import ArmourError, InputError, Note, Problem, in_two_lines, mistake, refuse, restated
+from armour.errors import ArmourError, InputError, Note, Problem, in_one_line, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
 from armour.reporting.junit import TestCase, is_junit_of_armour, junit_suite, junit_xml
 from armour.reporting.table import Table
@@ -131,13 +131,15 @@ def read_scenario(
     asked: Answer,
     settings: Mapping[str, tuple[str, float | None]] = {},
     probability: Any = None,
+    *,
+    by_model: bool = False,
 ) -> "armour.Scenario":
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
     ``assignments`` are those of ``--set``; they must set keys that the answer ``asked`` for reads, or keys below these.
     ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  Errors in a
     value that an option sets name the option.  The scenario requires at least the ``probability`` of stopping each
-    threat, if one is given.
+    threat, if one is given; ``by_model`` excludes the model error, and then none may be required.
     """
     from armour.scenario import effect, scenario
 
@@ -163,7 +165,12 @@ def read_scenario(
         reads = (*reads, VELOCITY)
     effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
     with as_options("requiring"):
-        return loaded.requiring(probability)
+        required = loaded.requiring(probability)
+    if not by_model:
+        return required
+    if any(required.required_probabilities()):
+        raise wrong_option("--by-model", "must be given without a required probability, which the model does not have")
+    return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
 
 def say_how_read(table: object, content: Content) -> Content:
@@ -222,7 +229,7 @@ def answer(
     result.of(every_row=verbose)
     tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
-    show_answer(data, tables, as_json=as_json, heading=result.heading(), scenario=scenario)
+    show_answer(data, tables, as_json=as_json, scenario=scenario)
     shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
@@ -232,14 +239,13 @@ def show_answer(
     tables: Iterable[Table | str],
     *,
     as_json: bool,
-    heading: Sequence[str] = (),
     scenario: "armour.Scenario | None" = None,
 ) -> None:
-    """Show an answer as tables below a heading or, as JSON, with the command and versions that made it."""
+    """Show an answer as tables or, as JSON, with the command and versions that made it."""
     if as_json:
         show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
     elif shown := [*tables]:
-        show(*heading[1:], *shown, title=heading[0] if heading else "")
+        show(*shown)
 
 
 def write(files: Files, warnings: Iterable[str] = ()) -> None:
@@ -315,13 +321,13 @@ def warnings_of(
 ) -> list[str]:
     """Return the notes on a scenario, and the warnings, as lines for standard error.
 
-    ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, at most two lines of
-    warnings remain: one for all inputs outside the tests, and the first of the others.
+    ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, only the first warning
+    that the answer does not contain remains.
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
     told = list(dict.fromkeys(warnings))
-    shown = list(map(str, told)) if verbose else in_two_lines(told, "with -v")
+    shown = list(map(str, told)) if verbose else in_one_line(told, "with -v")
     return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 

@@ -6,15 +6,21 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
+import armour
+from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES, VERDICT
 from armour.cli.console import progress, say
 from armour.cli.runner import announce, command_line, picture, show_answer, write
 from armour.errors import counted, mistake
-from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows
-from armour.scenario.scenario import Scenario, heading
+from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows, tables_of_sweep
+from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Grid, SweepCases, axis_of
-from armour.sweeps.sweep import Effort, subject_of, write_sweep
+from armour.sweeps.sweep import Effort, subject_of, sweep_in_memory, write_sweep
 from armour.sweeps.tables import read_table
+
+# Quantity of a table by default, those shown without a table, and the most rows without one.
+LIMIT = "ballistic_limit_m_s"
+ANSWERED = (LIMIT, "expected_limit_m_s", "probability_of_stopping", VERDICT)
+MOST_SHOWN = 1000
 
 
 def cases_of(file: str | Path, sheet: str | None = None) -> SweepCases:
@@ -71,18 +77,39 @@ def write_and_show(
         calls: Any = {"on_chunk": on_chunk, "approve": approve, "tell": say, "command": command_line()}
         write_sweep(scenario, source, quantities, output, workers=workers, threads=threads, replace=replace, **calls)
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities, drawn=plot is not None))
-    lines = heading(subject_of(scenario, source, quantities), scenario.title)
-    shown = [first_rows(read_table(output), scenario, source.keys)] if source.count <= SWEEP_ROWS else []
+    shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     data = {"rows": source.count, "output": str(output)}
-    show_answer(data, shown, as_json=as_json, heading=lines, scenario=scenario)
+    show_answer(data, shown, as_json=as_json, scenario=scenario)
 
     def figure() -> Any:
         from armour.reporting.pictures import drawing, sweeps
 
         draw = partial(sweeps.draw_columns, read_table(output), source.keys, quantities[0], scenario)
-        return drawing.drawn(draw, drawing.Sheet(), lines).figure
+        return drawing.drawn(draw, drawing.Sheet(), subject_of(scenario, source, quantities)).figure
 
     write({plot: picture(figure, scenario)})
+
+
+def show_rows(
+    scenario: Scenario,
+    source: Grid | SweepCases,
+    quantities: Sequence[str],
+    plot: Path | None,
+    *,
+    threads: int | None,
+    as_json: bool,
+) -> None:
+    """Compute a sweep without a table to write, show its first rows, and draw the first quantity to ``plot``."""
+    with progress("rows", source.count) as count:
+        result = sweep_in_memory(scenario, source, quantities, threads, MOST_SHOWN)
+        count(source.count, None)
+    data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
+    tables = () if as_json else tables_of_sweep(result)
+    show_answer(data, tables, as_json=as_json, scenario=scenario)
+    warnings = [f"warning: {note}" for note in result.notes]
+    write(
+        {plot: picture(lambda: armour.plot(result), scenario)}, [*_notes(quantities, drawn=plot is not None), *warnings]
+    )
 
 
 def _notes(names: Sequence[str], *, drawn: bool) -> Iterator[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from armour.analysis.variants import Bools, Floats, Ints, Variants, grid_of
 from armour.core.state import Parameters
-from armour.design.requirements import SLACK_ROUNDING
+from armour.design.requirements import EVEN, SLACK_ROUNDING
 from armour.engine import batch
 from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
@@ -34,8 +34,6 @@ from armour.units import MM
 # Keys of [design] that ask for a design; the others apply to any armour.
 ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 COST_COLUMN = "cost_per_m2"
-# Bound on the probability of perforation that stands for none.
-NO_BOUND = 1.0
 # Words of the layers by their names in keys.
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
@@ -93,8 +91,9 @@ class Catalogue:
     section: DesignSection
     threats: tuple[Threat, ...]
     titles: tuple[str, ...]  # of the threats
-    margins_m_s: Floats  # required of the limits by the model, 0 if none is given, (threats,)
-    bounds: Floats  # greatest probabilities of perforation, `NO_BOUND` if none is given, (threats,)
+    margins_m_s: Floats  # required of the limits, 0 if none is given, (threats,)
+    required: Bools  # whether a probability is required, (threats,)
+    bounds: Floats  # greatest probabilities of perforation, 0.5 where none is required, (threats,)
     sampled: bool  # whether uncertain inputs are sampled to judge the bounds
     offers: tuple[Offer, ...]
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
@@ -116,11 +115,6 @@ class Catalogue:
         layers = {"ceramic.density_kg_m3": ceramic, "backing.density_kg_m3": backing}
         given = {key: layer.density_kg_m3 for key, layer in layers.items() if layer.density_kg_m3 is not None}
         return self.scenario.replaced(changes).with_inputs(given)
-
-    @cached_property
-    def bounded(self) -> bool:
-        """Whether any threat sets an upper bound on the probability of perforation."""
-        return bool((self.bounds < NO_BOUND).any())
 
     @cached_property
     def has_free_layer(self) -> bool:
@@ -260,9 +254,9 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     section = _section_of(scenario)
     threats = scenario.threats()
     titles = tuple(threat.title for threat in threats)
-    bounds = [NO_BOUND if bound is None else bound for bound in map(section.bound, threats)]
-    bounded = min(bounds) < NO_BOUND
-    sampled = bool(bounded and scenario.distributions())
+    bounds = [*map(section.bound, threats)]
+    required = np.array([bound is not None for bound in bounds])
+    sampled = bool(required.any() and scenario.distributions())
     refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
@@ -293,7 +287,8 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         threats=threats,
         titles=titles,
         margins_m_s=np.array([threat.margin_m_s for threat in threats]),
-        bounds=np.array(bounds),
+        required=required,
+        bounds=np.array([1.0 - EVEN if bound is None else bound for bound in bounds]),
         sampled=sampled,
         offers=offers,
         layers=layers,

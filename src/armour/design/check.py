@@ -1,7 +1,10 @@
 """Check of one armour against each of its threats, and against small changes of armour and threat."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
+from typing import Any, overload
 
 import numpy as np
 
@@ -14,20 +17,25 @@ from armour.analysis.ballistic_limit import (
     probability_of_stopping,
 )
 from armour.analysis.estimates import Estimate
-from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
+from armour.analysis.evaluate import evaluate_groups, groups_of
+from armour.analysis.quantities import VERDICT
+from armour.analysis.results import OnProgress, TableResult, by_column, data_frame, ignore_progress
 from armour.analysis.samples import is_sampled, misplaced, probability_of_perforation
-from armour.analysis.variants import row_of
-from armour.design.requirements import Requirement, Verdict, against_threat, of_armour, verdict_of
+from armour.analysis.variants import Variants, row_of
+from armour.design.offers import Offer, read_offers
+from armour.design.requirements import VERDICTS, Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armours_of, outside_tests, threat_warnings
-from armour.scenario.checked import checked
+from armour.evidence.tests import armours_of, far_from_tests, outside_tests, threat_warnings
+from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, RequiredProbability, Threat
 
 # Changes with which every armour is checked: factor of the impact velocity, and angles.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
+# Probability of the safe speed where none is required.
+USUAL_PROBABILITY = 0.95
 
 
 @dataclass(frozen=True)
@@ -37,10 +45,13 @@ class WhatIf:
     Attributes
     ----------
     change : str
-        In words, such as "ceramic 1 mm thinner".
+        In words, such as "tile 1 mm thinner".
     velocity_m_s : float
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
+    expected_limit_m_s : float or None
+        Velocity at which the armour stops a shot with a probability of 50 %, given the tests, m/s; None if no tests
+        tell.
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     probability_of_stopping : float or None
@@ -50,6 +61,7 @@ class WhatIf:
     change: str
     velocity_m_s: float
     ballistic_limit_m_s: float | None
+    expected_limit_m_s: float | None
     interval_m_s: tuple[float, float] | None
     probability_of_stopping: float | None
 
@@ -66,10 +78,17 @@ class CheckedThreat:
     velocity_m_s, obliquity_deg : float
     ballistic_limit_m_s : float or None
         By the model, m/s; None if there is none in the range of the search.
+    expected_limit_m_s : float or None
+        Velocity at which the armour stops a shot with a probability of 50 %, given the tests, m/s; None if no tests
+        tell.
+    safe_speed_m_s : float or None
+        Velocity up to which a shot is stopped with the required probability, or 0.95 if none is required, m/s; None if
+        no such probability is known or stated.
     interval_m_s : tuple of float or None
         95 % interval of the ballistic limit with the model error, m/s; None if the model error is not known.
     margin_m_s, required_margin_m_s : float
-        Excess of the ballistic limit over the velocity, m/s, None without a limit; and the required excess.
+        Excess of the expected limit or, where no tests tell, of the limit by the model over the velocity, m/s, None
+        without a limit; and the required excess.
     probability_of_stopping, required_probability : float or None
         Probability that the armour stops a shot, None if unknown; and the required one, None if there is none.
     reason : str
@@ -80,8 +99,8 @@ class CheckedThreat:
         Flow stress with which a ceramic without tests stops the threat; None for other armours.
     model_error : ModelError or None
         Model error from which the probability is computed; None if it is not known.
-    verdict : {"passes", "fails", "not known"}
-        Whether all that is required against the threat is met.
+    verdict : str
+        One of `VERDICTS` of `armour.design.requirements`.
     what_ifs : tuple of WhatIf
         The armour with each change, for exact inputs.
     requirements : tuple of Requirement
@@ -91,6 +110,8 @@ class CheckedThreat:
         required.
     outside_tests : dict of str to float
         Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
+    far_from_tests : tuple of str
+        In what the armour or the threat is far from the tests, such as "5083-H3 (on 6061-T6)".
     name : str
         Name of the threat without its numbers, as it stays if only these change.
     probability_v50_exceeds_velocity : float or None
@@ -103,6 +124,8 @@ class CheckedThreat:
     velocity_m_s: float
     obliquity_deg: float
     ballistic_limit_m_s: float | None
+    expected_limit_m_s: float | None
+    safe_speed_m_s: float | None
     interval_m_s: tuple[float, float] | None
     margin_m_s: float | None
     required_margin_m_s: float
@@ -117,6 +140,7 @@ class CheckedThreat:
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
     outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
+    far_from_tests: tuple[str, ...] = ()
     name: str = ""
     probability_v50_exceeds_velocity: float | None = None
 
@@ -127,7 +151,7 @@ class CheckedThreat:
             probability = None
             if error is not None and limit is not None:
                 probability = float(error.probability_of_stopping(limit, self.velocity_m_s))
-        return WhatIf("as given", self.velocity_m_s, limit, self.interval_m_s, probability)
+        return WhatIf("as given", self.velocity_m_s, limit, self.expected_limit_m_s, self.interval_m_s, probability)
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,8 +161,9 @@ class CheckResult(TableResult):
     Attributes
     ----------
     threats : tuple of CheckedThreat
-    verdict : {"passes", "fails", "not known"}
-        Whether all that is required is met.
+    verdict : str
+        The worst of the verdicts against the threats and on the limits of the section ``design``: "fails", "perforated
+        by the model", "not known", "stopped by the model", "expected to stop" or, the best, "passes".
     notes : tuple of Note
         Ways in which armour and threats are unlike what the model was compared with.
     requirements : tuple of Requirement
@@ -181,17 +206,85 @@ class CheckResult(TableResult):
         return by_column(rows)
 
 
+class CheckResults(tuple[CheckResult, ...]):
+    """Checks of several armours, a tuple."""
+
+    def to_dataframe(self) -> Any:
+        """Return a row for each armour as a data frame of pandas, or else of polars; see `rows`."""
+        return data_frame(by_column(self.rows()))
+
+    def rows(self) -> list[dict[str, object]]:
+        """Return a mapping for each armour: its labels, layers, weight, cost, verdict, and what decides about it.
+
+        Of several threats, limits and probability are those against the one that decides.
+        """
+        return [_row(each) for each in self]
+
+
+def _row(result: CheckResult) -> dict[str, object]:
+    threat, armour = deciding(result), result.question["scenario"].armour
+    row = {
+        "ceramic": armour.ceramic,
+        "ceramic_thickness_mm": armour.ceramic_thickness_mm,
+        "backing": armour.backing,
+        "backing_thickness_mm": armour.backing_thickness_mm,
+        "areal_density_kg_m2": result.areal_density_kg_m2,
+        "cost_per_m2": result.cost_per_m2,
+        "threat": threat.threat,
+        "ballistic_limit_m_s": threat.ballistic_limit_m_s,
+        "expected_limit_m_s": threat.expected_limit_m_s,
+        "probability_of_stopping": threat.probability_of_stopping,
+        "verdict": result.verdict,
+        "far_from_tests": ", ".join(threat.far_from_tests),
+    }
+    labels: dict[str, str] = result.question.get("labels", {})
+    return {**{name + " (offer)" * (name in row): label for name, label in labels.items()}, **row}
+
+
+def _rank(threat: CheckedThreat) -> tuple[int, float]:
+    """Return a sort key that puts first the threat that decides about the armour: of equals, the likeliest to fail."""
+    margin, chance = threat.margin_m_s, threat.probability_of_stopping
+    slack = inf if margin is None else margin - threat.required_margin_m_s
+    return VERDICTS.index(threat.verdict), slack if chance is None else chance - (threat.required_probability or 0.0)
+
+
+def deciding(result: CheckResult) -> CheckedThreat:
+    """Return the threat that decides about an armour."""
+    return min(result.threats, key=_rank)
+
+
+@overload
+def check(
+    scenario: Scenario,
+    *,
+    probability: RequiredProbability | None = None,
+    cases: None = None,
+    keep: Names = (),
+    on_progress: OnProgress = ignore_progress,
+) -> CheckResult: ...
+@overload
+def check(
+    scenario: Scenario,
+    *,
+    probability: RequiredProbability | None = None,
+    cases: Table,
+    keep: Names = (),
+    on_progress: OnProgress = ignore_progress,
+) -> CheckResults: ...
 @checked
 def check(
     scenario: Scenario,
     *,
     probability: RequiredProbability | None = None,
+    cases: Table | None = None,
+    keep: Names = (),
     on_progress: OnProgress = ignore_progress,
-) -> CheckResult:
-    """Check the armour of a scenario against every threat, and against small changes of each.
+) -> CheckResult | CheckResults:
+    """Check the armour of a scenario, or each of a table of offers, against every threat, and against small changes.
 
     If the scenario lists no threats, its impact is the threat.  The changes are: each layer thinner by the tolerance
     ``design.thickness_tolerance_mm``; the round 5 % faster; an angle of 0 or of 30 degrees instead of the threat's.
+    Offers are checked without changes.
 
     Parameters
     ----------
@@ -199,12 +292,18 @@ def check(
         Its section ``design`` may give the probability that is required, ``probability_of_stopping``.
     probability : float, optional
         Least probability of stopping each threat, such as 0.95; a higher one that the scenario requires stays.
+    cases : path-like, data frame, mapping of columns or sequence of mappings, optional
+        Table of offers, with an armour in each row: ceramic and metal with their thicknesses, and a price per m².
+    keep : str or sequence of str, optional
+        Further columns of the table to keep as labels; the first names the offers.
     on_progress : callable, optional
-        Called with the number of impacts computed since the last call, and None, as their total is not known.
+        Called with the number of impacts computed since the last call, and None, as their total is not known; with
+        offers, with their number and that of all.
 
     Returns
     -------
-    CheckResult
+    CheckResult or CheckResults
+        With offers, a tuple of their checks, in the order of the table.
 
     Examples
     --------
@@ -212,37 +311,59 @@ def check(
     >>> armour.check(armour.load_scenario("wilkins")).verdict
     'fails'
     """
-    return check_of(scenario.requiring(probability), on_progress)
+    scenario = scenario.requiring(probability)
+    if cases is None:
+        return check_of(scenario, on_progress)
+    return check_offers(read_offers(scenario, cases, tuple(keep)).offers, on_progress)
+
+
+def check_offers(offers: Sequence[Offer], on_progress: OnProgress = ignore_progress) -> CheckResults:
+    """Check armours on offer, without changes; the question of each result has its name and labels."""
+    results = []
+    for offer in offers:
+        results.append(check_of(offer.scenario, changes=False, needed=False, offer=offer))
+        on_progress(1, len(offers))
+    return CheckResults(results)
 
 
 def check_of(
-    scenario: Scenario, on_progress: OnProgress = ignore_progress, *, changes: bool = True, needed: bool = True
+    scenario: Scenario,
+    on_progress: OnProgress = ignore_progress,
+    *,
+    changes: bool = True,
+    needed: bool = True,
+    offer: Offer | None = None,
 ) -> CheckResult:
-    """Check the armour of a scenario as `check` does, or without its changes or the flow stress needed."""
+    """Check the armour of a scenario as `check` does, or without its changes or the flow stress needed.
+
+    An `offer` of this armour gives its cost.
+    """
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
     impacts = [scenario.against(threat) for threat in threats]
+    rows = [row_of(impact) for impact in impacts]
     wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
         _checked(
-            impact,
+            row,
             threat,
             on_progress,
             sample=bool(distributions) and not misplacements,
             changes=changes,
             needed=needed,
         )
-        for impact, threat, misplacements in zip(impacts, threats, wrongly_placed, strict=True)
+        for row, threat, misplacements in zip(rows, threats, wrongly_placed, strict=True)
     )
-    areal_density, thickness, cost = scenario.areal_density_kg_m2(), scenario.thickness_mm(), scenario.cost_per_m2()
-    rows = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
-    verdicts = [*(threat.verdict for threat in checked_threats), *(row.verdict for row in rows)]
+    areal_density, thickness = scenario.areal_density_kg_m2(), scenario.thickness_mm()
+    cost = scenario.cost_per_m2() if offer is None else offer.cost_per_m2
+    limits = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
+    verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
     notes = (
         *scenario.floors,
         *scenario.unused_impact(),
         *scenario.unused_densities(),
-        *threat_warnings(scenario, armours_of(*impacts)),
+        *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
         *(
             dict.fromkeys(note for each in wrongly_placed for note in each)
             if requires
@@ -254,25 +375,37 @@ def check_of(
         checked_threats,
         verdict_of(verdicts),
         notes,
-        requirements=rows,
+        requirements=limits,
         areal_density_kg_m2=areal_density,
         thickness_mm=thickness,
         cost_per_m2=cost,
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         whole_thickness_mm=scenario.thickness_mm(whole=True),
         basis=scenario.basis(),
-    ).of(title, scenario=scenario)
+    ).of(title, scenario=scenario, **({} if offer is None else {"name": offer.name, "labels": offer.labels}))
+
+
+def evaluated(
+    scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str], threads: int | None = None
+) -> tuple[dict[str, Any], Counter[str]]:
+    """Evaluate quantities for rows of values, as `evaluate_groups` does, and the verdict of `check` on each row."""
+    found, warnings = evaluate_groups(groups_of(scenario, columns), quantities, threads)
+    if VERDICT in quantities:
+        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+        scenarios = (scenario.replaced(dict(zip(columns, row, strict=True))) for row in rows)
+        found[VERDICT] = np.array([check_of(each, changes=False, needed=False).verdict for each in scenarios])
+    return {name: found[name] for name in quantities}, warnings
 
 
 def _checked(
-    against: Scenario, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
+    row: Variants, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
 ) -> CheckedThreat:
-    """Check the armour of the scenario `against`, whose impact is the given threat.
+    """Check the armour of a scenario, a single row, whose impact is the given threat.
 
     `sample` tells whether to sample the distributions of its inputs if a probability is required, and `changes` and
     `needed` whether to check the changes and to find the flow stress needed.
     """
-    row, section = row_of(against), against.design or DesignSection()
+    against, section = row.scenario, row.scenario.design or DesignSection()
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
     probability, sampled = probability_by_tests(against, limit, error), None
@@ -283,28 +416,32 @@ def _checked(
     reached = row.limits_anywhere() if limit is None else np.array([limit])
     if reached >= threat.required_m_s:
         reached = row.lowest_limits(reached)
-    requirements = tuple(
-        against_threat(
-            against,
-            threat,
-            against.core_armour(),
-            row.materials[0].ceramic,
-            float(reached[0]),
-            probability,
-            sampled,
-            stops=not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
-            greatest=greatest,
-        )
+    expected = expected_limit = result.expected_limit_m_s
+    if error is not None and reached[0] != limit:
+        expected = float(row.expected_limits(reached)[0])
+    standing = Standing(
+        float(reached[0]),
+        expected,
+        not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
+        probability,
+        greatest,
+        sampled,
     )
+    verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed, changed_limit, changed_error = against.replaced(values), limit, error
         if VELOCITY not in values:  # the limit does not depend on the velocity
             changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
-        interval = None if changed_limit is None or changed_error is None else changed_error.interval(changed_limit)
+        interval = expected = None
+        if changed_limit is not None and changed_error is not None:
+            interval, expected = changed_error.interval(changed_limit), changed_error.median(changed_limit)
         chance = probability_of_stopping(changed, changed_limit, changed_error)
-        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, interval, chance))
-    required, flow_stress = None if bound is None else 1.0 - bound, None
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, expected, interval, chance))
+    required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
+    if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
+        safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
+    shown = limit if expected_limit is None else expected_limit
     if needed and probability is None:
         flow_stress = needed_flow_stress(against, threat.required_m_s, required)
     return CheckedThreat(
@@ -313,8 +450,10 @@ def _checked(
         velocity_m_s=threat.velocity_m_s,
         obliquity_deg=threat.obliquity_deg,
         ballistic_limit_m_s=limit,
+        expected_limit_m_s=expected_limit,
+        safe_speed_m_s=safe_speed,
         interval_m_s=result.interval_m_s,
-        margin_m_s=None if limit is None else limit - threat.velocity_m_s,
+        margin_m_s=None if shown is None else shown - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
         probability_of_stopping=None if probability is None else min(probability, greatest),
         required_probability=required,
@@ -322,11 +461,12 @@ def _checked(
         probability_at_normal_incidence=result.probability_at_normal_incidence,
         flow_stress=flow_stress,
         model_error=error,
-        verdict=verdict_of(row.verdict for row in requirements),
+        verdict=verdict,
         what_ifs=tuple(what_ifs),
         requirements=requirements,
         sampled=sampled and sampled.at_least(1.0 - greatest),
         outside_tests=outside_tests(row.armours, row.velocities)[0],
+        far_from_tests=far_from_tests(against, row.armours),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )
@@ -334,7 +474,7 @@ def _checked(
 
 def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
     """Yield each change of armour or impact to check: its words, and the new value by key."""
-    for key, words in ((CERAMIC, "ceramic"), (BACKING, "back plate")):
+    for key, words in ((CERAMIC, "tile"), (BACKING, "plate")):
         thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:
             yield f"{words} {tolerance_mm:g} mm thinner", {key: thickness - tolerance_mm}

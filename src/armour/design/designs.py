@@ -14,14 +14,15 @@ from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, ignore_progress, portions
 from armour.analysis.samples import is_sampled, points_of, probability_of_perforation, section_of
 from armour.analysis.variants import Bools, Floats, Ints, Variants
-from armour.design.catalogue import NO_BOUND, CandidateDesigns, Catalogue, first_backings
-from armour.design.requirements import verdict_of, verdict_of_samples
+from armour.design.catalogue import CandidateDesigns, Catalogue, first_backings
+from armour.design.requirements import EVEN, verdict_of, verdict_of_samples
 from armour.errors import Problem, refuse
 from armour.evidence.tests import outside_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.schema import FASTEST_M_S, Uncertainty
 
-# Verdicts on designs, from the worst; UNJUDGED is none yet.
+# What impacts tell of designs, from the worst; UNJUDGED is nothing yet.  A design of NOT_KNOWN is stopped by the model,
+# but no probability is known or stated; one of PASSES has the required probability or, where none is required, 0.5.
 UNJUDGED, FAILS, NOT_KNOWN, PASSES = range(-1, 3)
 # Numbers of impacts and of limits to compute at a time, in a few tenths of a second.
 IMPACTS_AT_A_TIME = 10_000
@@ -50,28 +51,29 @@ class Runs:
 class Required(NamedTuple):
     """What is required of n rows, each a design against a threat."""
 
-    limits_m_s: Floats  # least ballistic limits by the model; 0 where a probability alone decides
-    bounds: Floats  # greatest probabilities of perforation, given the model error; 1 if none is required or known
-    unknown: Bools  # whether a required probability is not known or not stated, or a layer is between tile and plate
+    limits_m_s: Floats  # least limits by the model; 0 where the model error is known
+    expected_m_s: Floats  # least expected limits; 0 where the model error is not known, or no margin is required
+    bounds: Floats  # greatest probabilities of perforation; 1 where the model error is not known
+    unknown: Bools  # whether the probability is not known or not stated, or a layer is between tile and plate
 
 
 def required_of(catalogue: Catalogue, rows: Variants) -> Required:
     """Return what is required of rows, each a design against a threat, (designs * threats,).
 
-    A probability is required if the threat has a bound and the model error is known.  The ballistic limit must reach
-    the velocity plus the margin if there is a margin or if no probability decides.
+    Where the model error is known, this is a probability, and an expected limit if there is a margin; elsewhere, it is
+    a limit by the model of at least the velocity plus the margin.
     """
-    count = len(rows.velocities) // len(catalogue.threats)
-    bounded = np.tile(catalogue.bounds < NO_BOUND, count)
-    bounds, margins = np.tile(catalogue.exact_bounds, count), np.tile(catalogue.margins_m_s, count)
-    stated = known = bounded.copy()
-    if catalogue.bounded:
-        errors = rows.errors
-        known = bounded & errors.known
-        stated = known & (1.0 - np.tile(catalogue.bounds, count) <= errors.greatest)
-    limits = np.where(known & (margins == 0.0), 0.0, rows.velocities + margins)
-    unknown = (bounded & ~stated) | (catalogue.scenario.interlayers > 0)
-    return Required(limits, np.where(known, bounds, 1.0), unknown)
+    count, errors = len(rows.velocities) // len(catalogue.threats), rows.errors
+    bounds, stated, margins = (
+        np.tile(values, count) for values in (catalogue.exact_bounds, catalogue.bounds, catalogue.margins_m_s)
+    )
+    known, needed = errors.known, rows.velocities + margins
+    return Required(
+        np.where(known, 0.0, needed),
+        np.where(known & (margins > 0.0), needed, 0.0),
+        np.where(known, bounds, 1.0),
+        ~known | (1.0 - stated > errors.greatest) | (catalogue.scenario.interlayers > 0),
+    )
 
 
 def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
@@ -85,9 +87,14 @@ def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
     for threat in range(threats):
         places = remaining * threats + threat
         stops = stopped(rows.at(places)._replace(velocities=required.limits_m_s[places]), runs)
-        bounded = np.flatnonzero(stops & (required.bounds[places] < 1.0))
-        if len(bounded):
-            stops[bounded] = within_bounds(rows.at(places[bounded]), required.bounds[places[bounded]], runs)
+        for bounds, velocities in (
+            (required.bounds, rows.velocities),
+            (np.where(required.expected_m_s > 0.0, EVEN, 1.0), required.expected_m_s),
+        ):
+            bounded = places[stops & (bounds[places] < 1.0)]
+            if len(bounded):
+                at_velocity = rows.at(bounded)._replace(velocities=velocities[bounded])
+                stops[np.isin(places, bounded)] = within_bounds(at_velocity, bounds[bounded], runs)
         remaining = remaining[stops]
     verdicts = np.full(len(required.unknown) // threats, FAILS)
     is_unknown: Bools = required.unknown.reshape(-1, threats).max(axis=1)
@@ -127,37 +134,43 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
     return within
 
 
-def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> Floats:
-    """Return the slack of rows, m/s, given their ballistic limits: negative if they do not meet what is required.
+def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> tuple[Floats, Floats]:
+    """Return the slack of rows, m/s, given their limits by the model, and their expected limits, m/s, NaN for none.
 
-    The slack is the smaller of two differences: ballistic limit minus the limit required, and velocity stopped with the
-    required probability minus velocity of the threat.
+    The slack is negative if the rows do not meet what is required.  It is the difference of limit by the model and the
+    one required or, where the model error is known, the smaller of two: velocity stopped with the required probability
+    minus velocity of the threat, and expected limit minus the one required.
     """
-    required = required_of(catalogue, rows)
+    required, expected = required_of(catalogue, rows), rows.expected_limits(limits)
     slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
+    slack = np.where(required.expected_m_s > 0.0, expected - required.expected_m_s, slack)
     bounded = np.flatnonzero(required.bounds < 1.0)
     if len(bounded):
         distributions = rows.at(bounded).shot_distributions(limits[bounded])
         slack_by_error = distributions.quantile(required.bounds[bounded]) - rows.velocities[bounded]
         slack[bounded] = np.minimum(slack[bounded], slack_by_error)
-    return slack
+    return slack, expected
 
 
-def measured(catalogue: Catalogue, rows: Variants, runs: Runs) -> tuple[Floats, Floats]:
-    """Return the lowest ballistic limits of designs against each threat, and their slack, m/s, (designs, threats).
+def measured(catalogue: Catalogue, rows: Variants, runs: Runs) -> tuple[Floats, Floats, Floats]:
+    """Return the lowest limits by the model of designs against each threat, those shown, and the slack, m/s.
+
+    Each is (designs, threats).  The limits shown are the expected ones or, where the model error is not known, those by
+    the model.
 
     The search extends beyond the range of the section ``ballistic_limit``.  If a limit is high enough, a denser scan
     looks for a lower one.
     """
     shape = -1, len(catalogue.threats)
     limits = rows.limits_anywhere(runs)
-    slack = slack_m_s(catalogue, rows, limits)
+    slack, expected = slack_m_s(catalogue, rows, limits)
     high = np.flatnonzero(slack >= 0.0)
     lowest = rows.at(high).lowest_limits(limits[high], runs)
     if (lowest < limits[high]).any():
         limits[high] = lowest
-        slack = slack_m_s(catalogue, rows, limits)
-    return limits.reshape(shape), slack.reshape(shape)
+        slack, expected = slack_m_s(catalogue, rows, limits)
+    shown = np.where(np.isnan(expected), limits, expected)
+    return limits.reshape(shape), shown.reshape(shape), slack.reshape(shape)
 
 
 class Reliability:
@@ -177,14 +190,13 @@ class Reliability:
         """
         thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
         estimates = {}
-        for threat, (title, bound) in enumerate(zip(self.catalogue.titles, self.catalogue.bounds, strict=True)):
-            if bound < NO_BOUND:
-                scenario = self.against(int(candidates.pair[place]), threat)
-                layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
-                if is_sampled(scenario, layers):
-                    estimates[title] = probability_of_perforation(
-                        scenario, float(bound), layers, self.points, self.on_progress, quick=quick
-                    )
+        for threat in np.flatnonzero(self.catalogue.required).tolist():
+            scenario = self.against(int(candidates.pair[place]), threat)
+            layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
+            if is_sampled(scenario, layers):
+                estimates[self.catalogue.titles[threat]] = probability_of_perforation(
+                    scenario, float(self.catalogue.bounds[threat]), layers, self.points, self.on_progress, quick=quick
+                )
         return estimates
 
 
@@ -228,7 +240,7 @@ class Designs:
         self.unsourced = catalogue.lacks_sources[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
-        self._limits, self._slack = np.full((2, count, len(catalogue.threats)), np.nan)
+        self._limits, self._shown_limits, self._slack = np.full((3, count, len(catalogue.threats)), np.nan)
         self._sampled: dict[int, int] = {}
         self._shown: dict[int, Variants] = {}
         self._outside: dict[int, dict[str, float]] = {}
@@ -261,19 +273,20 @@ class Designs:
         return self._verdicts[where]
 
     def known(self, where: Ints) -> Bools:
-        """Return whether the model error of each design is known against every threat, or excluded."""
+        """Return whether the model error of each design is known against every threat."""
         self.verdicts(where)
-        return self._known[where] | self.catalogue.scenario.excludes_error()
+        return self._known[where]
 
     def measure(self, where: Ints) -> None:
         """Compute and keep the ballistic limits and slack of those designs for which they are not known yet."""
         missing = where[np.isnan(self._limits[where, 0])]
         for part in portions(len(missing), max(LIMITS_AT_A_TIME // len(self.catalogue.threats), 1)):
             places = missing[part]
-            self._limits[places], self._slack[places] = measured(self.catalogue, self.rows(places), self.runs)
+            found = measured(self.catalogue, self.rows(places), self.runs)
+            self._limits[places], self._shown_limits[places], self._slack[places] = found
 
     def limits_m_s(self, where: Ints) -> Floats:
-        """Return the lowest ballistic limits of designs against each threat, m/s, (designs, threats)."""
+        """Return the lowest limits by the model of designs against each threat, m/s, (designs, threats)."""
         self.measure(where)
         return self._limits[where]
 
@@ -283,15 +296,19 @@ class Designs:
         return self._slack[where]
 
     def margins_m_s(self, where: Ints) -> Floats:
-        """Return the lowest ballistic limits minus the velocities of the threats, m/s, (designs, threats)."""
-        return self.limits_m_s(where) - self.catalogue.velocities_m_s
+        """Return the limits shown, see `measured`, minus the velocities of the threats, m/s, (designs, threats)."""
+        self.measure(where)
+        return self._shown_limits[where] - self.catalogue.velocities_m_s
 
     def quick_margins_m_s(self, where: Ints) -> Floats:
         """Return the margins, m/s, (designs, threats), by the usual scan, which may miss lower limits."""
         margins = np.empty((len(where), len(self.catalogue.threats)))
         for part in portions(len(where), max(LIMITS_AT_A_TIME // margins.shape[1], 1)):
             rows = self.rows(where[part])
-            margins[part] = (rows.limits_anywhere(self.runs) - rows.velocities).reshape(-1, margins.shape[1])
+            limits = rows.limits_anywhere(self.runs)
+            expected = rows.expected_limits(limits)
+            shown = np.where(np.isnan(expected), limits, expected)
+            margins[part] = (shown - rows.velocities).reshape(-1, margins.shape[1])
         return margins
 
     def passes(self, where: Ints, least: int = PASSES) -> Bools:
@@ -308,7 +325,7 @@ class Designs:
             estimates = self.reliability.probabilities(self.columns, place, quick=True)
             bounds = dict(zip(self.catalogue.titles, self.catalogue.bounds.tolist(), strict=True))
             verdict = verdict_of(verdict_of_samples(value, bounds[threat]) for threat, value in estimates.items())
-            self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN, "passes": PASSES}[verdict]
+            self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN}.get(verdict, PASSES)
         return self._sampled[place]
 
     def first(self, where: Ints, least: int = PASSES, *, by_samples: bool = True) -> int | None:
@@ -326,7 +343,7 @@ class Designs:
         return None
 
     def ranked(self, where: Ints) -> Ints:
-        """Sort designs: those whose model error is known come first, otherwise the order is kept."""
+        """Sort designs: those whose model error is known come first; otherwise the order is kept."""
         return where[np.argsort(~self.known(where), kind="stable")]
 
     def of_pair(self, pair: int) -> Ints:
@@ -392,9 +409,9 @@ class Designs:
             changes = (pairs[thin] == pairs[thick]) & (other_layer[thin] == other_layer[thick])
             changes &= (verdicts[thin] > FAILS) & (verdicts[thick] == FAILS)
             thin, thick = thin[changes], thick[changes]
-            if self.catalogue.bounded:  # the model error may be greater for the thicker one
-                limits = [self.limits_m_s(self.offered[places]) for places in (thick, thin)]
-                thin = thin[np.less(*limits).any(axis=1)]
+            # The model error may be greater for the thicker one.
+            limits = [self.limits_m_s(self.offered[places]) for places in (thick, thin)]
+            thin = thin[np.less(*limits).any(axis=1)]
             for place in thin:
                 yield int(pairs[place]), name, float(other_layer[place])
 
@@ -403,8 +420,7 @@ class Designs:
         ceramics, backings = self.columns.ceramic_mm, self.columns.backing_mm
         designs = self.of_pair(int(self.columns.pair[frontier[0]]))
         designs = designs[np.isin(backings[designs], backings[frontier])]
-        if self.catalogue.bounded:
-            designs = designs[self.known(designs)]
+        designs = designs[self.known(designs) == self.known(frontier[:1])]
         failing = designs[(self.verdicts(designs) == FAILS) | (self._slack[designs] < 0.0).any(axis=1)]
         # The frontier is in the order of its back plates.
         thickest = np.zeros(len(frontier))

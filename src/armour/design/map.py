@@ -8,7 +8,6 @@ import numpy as np
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.design.catalogue import CandidateDesigns, Catalogue
-from armour.evidence.model_error import given_error
 from armour.units import GPA
 
 # Number of thicknesses along an axis that are tried to find where the model error becomes known or unknown; width to
@@ -106,22 +105,3 @@ def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backin
                 low, high = (middle, high) if is_as_low else (low, middle)
             grids[axis] = np.union1d(grids[axis], [low, high])
     return grids[0], grids[1]
-
-
-def thicknesses_tested(catalogue: Catalogue, pair: int, threat: int) -> dict[str, tuple[float, float]]:
-    """Return the least and greatest thicknesses of the tests that the model error is estimated from, mm.
-
-    The keys are "ceramic" and "backing".  The result is empty if the model error is given or not known.
-    """
-    middle = [np.array([np.mean(layer.thicknesses())]) for layer in catalogue.offers[pair][:2]]
-    rows = catalogue.against_each(catalogue.candidates(pair, *middle)).at(np.array([threat]))
-    [(evidence, _)] = rows.armours.by_evidence()
-    if given_error(catalogue.scenario) or not rows.errors.known.all():
-        return {}
-    diameter_mm = float(rows.armours.quantities()["rod_diameter_mm"][0] * rows.cosines[0])
-    names = {"ceramic_thickness_ratio": "ceramic", "backing_thickness_ratio": "backing"}
-    return {
-        names[ratio.name]: (ratio.low * diameter_mm, ratio.high * diameter_mm)
-        for ratio in evidence.measured
-        if ratio.name in names
-    }

@@ -31,8 +31,12 @@ from armour.units import MM
 # nearest design.
 MOST_SHOWN, MOST_COMPARED = 25, 20_000
 Reason = Literal["", "none passes", "not known"]
-# Reason why there is no best design, by the verdict on the nearest.
-REASONS: dict[Verdict, Reason] = {"passes": "", "fails": "none passes", "not known": "not known"}
+# Reason why there is no best design, by the verdict on the nearest; other verdicts give none.
+REASONS: dict[Verdict, Reason] = {
+    "fails": "none passes",
+    "perforated by the model": "none passes",
+    "not known": "not known",
+}
 # Number of impacts from which on the time of a search is estimated; about how many thicknesses of each layer are tried
 # for the estimate.
 MANY_IMPACTS, SOME_THICKNESSES = 500_000, 50
@@ -132,9 +136,11 @@ class BestDesign(Design):
     flow_stress: dict[str, NeededFlowStress]
     requirements: tuple[Requirement, ...]
 
-    def changes_to(self, scenario: Scenario) -> dict[str, str | float]:
-        """Return the changes, by key, that make the design the armour of a scenario."""
-        return _changes_to(scenario, self, self.ceramic_density_kg_m3, self.backing_density_kg_m3)
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with the design as its armour."""
+        scenario: Scenario = self.check.question["scenario"]
+        return scenario
 
 
 def _changes_to(scenario: Scenario, design: Design, *densities_kg_m3: float) -> dict[str, str | float]:
@@ -308,7 +314,7 @@ def optimise(
     notes += threat_warnings(scenario, designs.rows_of(place).armours, metals)
     notes += _of_other_pairs(catalogue, notes)
     notes += [] if catalogue.sampled else scenario.unused_distributions()
-    reason, criteria = REASONS[shown.check.verdict], tuple(catalogue.section.pareto or ())
+    reason, criteria = REASONS.get(shown.check.verdict, ""), tuple(catalogue.section.pareto or ())
     frontier = designs.frontier(place, least) if has_frontier else np.empty(0, dtype=np.int64)
     without_mm, ceramic_min_mm, changes_again = list[float](), None, tuple[float, ...]()
     frontier_designs = as_results(designs, frontier)
@@ -372,12 +378,14 @@ def _best_place(search: FreeThicknesses) -> tuple[Designs, int, int]:
 
     A design with a ceramic that lacks sources, or on a back plate that may be no metal, is never the best.
     """
-    designs, catalogue = _table(search), search.catalogue
-    if (place := _first(designs, PASSES)) is not None:
-        return designs, place, PASSES
-    if (catalogue.bounded or catalogue.scenario.interlayers) and catalogue.has_free_layer:
+    catalogue = search.catalogue
+    search.least = NOT_KNOWN if catalogue.scenario.excludes_error() else PASSES
+    designs = _table(search)
+    if search.least == PASSES:
+        if (place := _first(designs, PASSES)) is not None:
+            return designs, place, PASSES
         search.least = NOT_KNOWN
-        designs = _table(search)
+        designs = _table(search) if catalogue.has_free_layer else designs
     for unsourced in (False, True):
         if (place := _first(designs, NOT_KNOWN, unsourced=unsourced)) is not None:
             return designs, place, NOT_KNOWN
@@ -590,7 +598,7 @@ def _pairs(designs: Designs, search: FreeThicknesses, place: int, shown: BestDes
             possible = [where[designs.values[where] <= greatest] for where in possible]
         best_places = [(designs, designs.first(designs.ranked(where), least)) for where in possible]
         failing = [pair for pair, (_, found) in enumerate(best_places) if found is None and catalogue.metal[pair]]
-        if failing and catalogue.bounded:
+        if failing:
             search = FreeThicknesses(catalogue, Runs(search.runs.on_progress), NOT_KNOWN)
             by_limit = _table(search) if least == PASSES and catalogue.has_free_layer else designs
             for pair in failing:

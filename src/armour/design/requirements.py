@@ -1,8 +1,8 @@
-"""Requirements on an armour and whether it meets them; all commands and pages judge an armour by this list."""
+"""Requirements on an armour and the verdict on it; all commands and pages judge an armour by this list."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple, get_args
 
 from armour.analysis.estimates import Estimate
 from armour.core.state import Parameters
@@ -12,7 +12,14 @@ from armour.scenario.library import LibraryEntry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
-Verdict = Literal["passes", "fails", "not known"]
+# From the worst; an armour has the worst of the verdicts on it.  Only a required probability that is known to be
+# reached passes.  The words of the model stand where no probability is required, and none is known.
+Verdict = Literal["fails", "perforated by the model", "not known", "stopped by the model", "expected to stop", "passes"]
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+# Verdicts with which a command ends with the exit code 0.
+GOOD = VERDICTS[VERDICTS.index("stopped by the model") :]
+# Probability of stopping that an armour must have if none is required: its expected limit is then the velocity.
+EVEN = 0.5
 # Largest relative excess that is rounding.
 SLACK_ROUNDING = 1e-12
 
@@ -47,9 +54,8 @@ class Requirement:
 
 
 def verdict_of(verdicts: Iterable[Verdict]) -> Verdict:
-    """Return the verdict on an armour, the worst of the verdicts on its requirements."""
-    distinct = set(verdicts)
-    return "fails" if "fails" in distinct else "not known" if "not known" in distinct else "passes"
+    """Return the verdict on an armour, the worst of the verdicts on it against each threat and on its limits."""
+    return min(verdicts, key=VERDICTS.index, default="passes")
 
 
 def verdict_of_samples(perforation: Estimate, bound: float) -> Verdict:
@@ -57,24 +63,26 @@ def verdict_of_samples(perforation: Estimate, bound: float) -> Verdict:
     return "passes" if perforation.high <= bound else "fails" if perforation.low > bound else "not known"
 
 
-def against_threat(
-    scenario: Scenario,
-    threat: Threat,
-    armour: Parameters,
-    ceramic: LibraryEntry | None,
-    limit_m_s: float,
-    probability: float | None,
-    sampled: Estimate | None,
-    *,
-    stops: bool,
-    greatest: float = 1.0,
-) -> Iterator[Requirement]:
-    """Yield what is required of an armour against a threat.
+class Standing(NamedTuple):
+    """What is known of an armour against a threat."""
 
-    A margin is required if the threat gives one; if no probability is required, the margin must be at least 0.  A
-    probability that is not known fails if the ballistic limit by the model is below the velocity plus the margin.  A
-    limit that is known to be too low never fails: the verdict is "not known" instead.  For a back plate that does
-    not count as a metal, the only requirement is a metal, with the verdict "not known".
+    limit_m_s: float  # lowest ballistic limit by the model
+    expected_m_s: float | None  # its expected limit; None if the model error is not known
+    stops: bool  # whether the model stops the projectile at the velocity plus the margin
+    probability: float | None  # of stopping a shot, without its upper bound; None if it is not known
+    greatest: float  # greatest probability that is stated
+    sampled: Estimate | None  # probability of perforation, if uncertain inputs are sampled
+
+
+def against_threat(
+    scenario: Scenario, threat: Threat, armour: Parameters, ceramic: LibraryEntry | None, standing: Standing
+) -> tuple[Verdict, tuple[Requirement, ...]]:
+    """Return the verdict on an armour against a threat, and what is required of it.
+
+    Where the model does not hold, this is all that the verdict says: for a back plate that does not count as a metal,
+    a layer between tile and back plate, or a ceramic whose flow stress lacks sources.  Otherwise a margin is required
+    if the threat gives one, and a probability if the scenario or the threat gives one.  Without a required probability,
+    a known one must be at least 0.5; if it is not known, the verdict is that of the model.
 
     Parameters
     ----------
@@ -83,51 +91,59 @@ def against_threat(
         of layers between tile and back plate, which no shipped test has.
     threat : Threat
     armour : Parameters
-        Armour and projectile.  For some, the limit is known to be too low, see `evidence.caveats`.
+        Armour and projectile.  For some, the limit is known to be too low, see `evidence.caveats`; such a limit alone
+        never fails.
     ceramic : LibraryEntry or None
-        Without tests and with fewer than two sources of its flow stress, it is not known whether the armour stops the
-        threat.
-    limit_m_s : float
-        Ballistic limit by the model, m/s.
-    probability : float or None
-        Probability that the armour stops a shot; None if it is not known.
-    sampled : Estimate or None
-        Probability of perforation, if uncertain inputs are sampled.
-    stops : bool
-        Whether the armour stops the projectile, by the model, at the velocity plus the margin.
-    greatest : float
-        Greatest probability that is stated.  If more is required, but not more than `probability`, the verdict is "not
-        known".
+    standing : Standing
     """
-    if is_no_metal(armour.rho_B):
-        yield Requirement("backing_density_kg_m3", threat.title, LEAST_METAL_KG_M3, armour.rho_B, "not known")
-        return
-    bound, margin_m_s = (scenario.design or DesignSection()).bound(threat), limit_m_s - threat.velocity_m_s
-    if margin_m_s >= threat.margin_m_s and not stops:
+    unsound = [
+        Requirement(quantity, threat.title, required, found, "not known")
+        for quantity, is_unsound, required, found in (
+            ("backing_density_kg_m3", is_no_metal(armour.rho_B), LEAST_METAL_KG_M3, armour.rho_B),
+            ("interlayers", bool(scenario.interlayers), 0.0, scenario.interlayers),
+            (
+                "flow_stress_sources",
+                ceramic is not None and bool(armour.Hc0) and lacks_sources(ceramic),
+                LEAST_SOURCES,
+                0 if ceramic is None else ceramic.sources,
+            ),
+        )
+        if is_unsound
+    ]
+    if unsound:
+        return "not known", tuple(unsound)
+    rows = []
+    bound, expected_m_s = (scenario.design or DesignSection()).bound(threat), standing.expected_m_s
+    margin_m_s = (standing.limit_m_s if expected_m_s is None else expected_m_s) - threat.velocity_m_s
+    if expected_m_s is None and margin_m_s >= threat.margin_m_s and not standing.stops:
         margin_m_s -= scenario.ballistic_limit.tolerance_m_s
     reaches = margin_m_s >= threat.margin_m_s
-    short: Verdict = "not known" if is_limit_too_low(armour) else "fails"
-    if threat.margin_m_s > 0.0 or bound is None:
-        verdict: Verdict = "passes" if reaches else short
-        yield Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, verdict)
-    if ceramic is not None and armour.Hc0 and lacks_sources(ceramic):
-        yield Requirement("flow_stress_sources", threat.title, LEAST_SOURCES, ceramic.sources, "not known")
-    if scenario.interlayers:
-        yield Requirement("interlayers", threat.title, 0.0, scenario.interlayers, "not known")
-    if bound is None:
-        return
-    interval = None
-    if sampled is not None:
-        verdict = verdict_of_samples(sampled, bound)
-        interval = (min(1.0 - sampled.high, greatest), min(1.0 - sampled.low, greatest))
-    elif probability is not None:
-        verdict = "passes" if probability >= 1.0 - bound else "fails"
-    else:
+    short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
+    if threat.margin_m_s > 0.0:
+        rows.append(
+            Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, "passes" if reaches else short)
+        )
+    least, probability, interval = EVEN if bound is None else 1.0 - bound, standing.probability, None
+    verdict: Verdict
+    if probability is None:
         verdict = "not known" if reaches else short
+    elif bound is not None and standing.sampled is not None:
+        sampled = standing.sampled.at_least(1.0 - standing.greatest)
+        verdict, interval = verdict_of_samples(standing.sampled, bound), (1.0 - sampled.high, 1.0 - sampled.low)
+    else:
+        verdict = "passes" if probability >= least else "fails"
     if probability is not None:
-        probability = min(probability, greatest)
-        verdict = "not known" if verdict == "passes" and 1.0 - bound > greatest else verdict
-    yield Requirement("probability_of_stopping", threat.title, 1.0 - bound, probability, verdict, interval)
+        verdict = "not known" if verdict == "passes" and standing.greatest < least else verdict
+        probability = min(probability, standing.greatest)
+    if bound is not None:
+        rows.append(Requirement("probability_of_stopping", threat.title, least, probability, verdict, interval))
+    elif probability is not None:
+        verdict = "expected to stop" if verdict == "passes" else verdict
+    elif reaches:
+        verdict = "stopped by the model"
+    elif short == "fails":
+        verdict = "perforated by the model"
+    return verdict_of((verdict, *(row.verdict for row in rows))), tuple(rows)
 
 
 def of_armour(section: DesignSection, amounts: Mapping[str, float | None]) -> Iterator[Requirement]:

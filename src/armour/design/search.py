@@ -84,7 +84,7 @@ def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = ()) -> Cand
     catalogue = search.catalogue
     columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN_COLUMN]
     pairs = range(len(catalogue.offers))
-    parts = [_of_pair(search, pair, columns) for pair in pairs]
+    parts = [_rounded_up(search, pair, _of_pair(search, pair, columns)) for pair in pairs]
     if MARGIN_COLUMN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(search, pair, columns)]
     return CandidateDesigns.joined(parts)
@@ -102,13 +102,35 @@ def _with_more_margin(search: FreeThicknesses, pair: int, columns: Sequence[str]
     greatest = (layer.thicknesses()[-1:] if layer.free_range() else layer.thicknesses() for layer in layers)
     thickest = catalogue.combinations(pair, *greatest)
     rows = catalogue.against_each(thickest)
-    limits = rows.limits_anywhere(search.runs).reshape(-1, len(catalogue.threats))
-    spare = float((limits - catalogue.velocities_m_s - catalogue.margins_m_s).min(axis=1).max())
+    shown = measured(catalogue, rows, search.runs)[1]
+    spare = float((shown - catalogue.velocities_m_s - catalogue.margins_m_s).min(axis=1).max())
     parts = [thickest]
     for margin in np.linspace(0.0, max(spare, 0.0), MARGIN_PARTS + 1)[1:-1].tolist():
         raised = replace(catalogue, margins_m_s=catalogue.margins_m_s + margin)
         parts.append(_of_pair(replace(search, catalogue=raised), pair, columns, verify=False))
     return parts
+
+
+def _rounded_up(search: FreeThicknesses, pair: int, designs: CandidateDesigns) -> CandidateDesigns:
+    """Round the free thicknesses of designs of a pair up to 0.01 mm where the design still passes."""
+    catalogue, layers = search.catalogue, search.catalogue.offers[pair][:2]
+    where = np.flatnonzero(~np.isnan(designs.thickness_mm))
+    if not len(where) or not any(layer.free_range() for layer in layers):
+        return designs
+    raised = [
+        np.minimum(np.ceil(mm[where] * 100.0 - 1e-6) / 100.0, layer.thicknesses()[-1])
+        if layer.free_range()
+        else mm[where]
+        for mm, layer in zip((designs.ceramic_mm, designs.backing_mm), layers, strict=True)
+    ]
+    rounded = catalogue.candidates(pair, *raised)
+    rows = catalogue.against_each(rounded)
+    passes = verdicts_of(catalogue, rows, search.runs) >= search.least
+    passes &= (measured(catalogue, rows, search.runs)[-1] >= 0.0).all(axis=1)
+    columns = [column.copy() for column in designs]
+    for column, values in zip(columns, rounded, strict=True):
+        column[where[passes]] = values[passes]
+    return CandidateDesigns._make(columns)
 
 
 def _of_pair(search: FreeThicknesses, pair: int, columns: Sequence[str], *, verify: bool = True) -> CandidateDesigns:
@@ -183,15 +205,14 @@ def _least(
         return verdicts_of(catalogue, against(values, rows), search.runs) == FAILS
 
     def passes(values: Floats, rows: Ints) -> Bools:
-        slack_m_s = measured(catalogue, against(values, rows), search.runs)[1]
+        slack_m_s = measured(catalogue, against(values, rows), search.runs)[-1]
         return stops(values, rows) & (slack_m_s >= 0.0).all(axis=1)
 
     def scanned(values: Floats, rows: Ints) -> Bools:
         variants = against(values, rows)
-        # If a probability is bounded, the thickest layer may lie beyond the tests while thinner ones do not.
-        return variants.is_unusual().reshape(-1, len(catalogue.threats)).any(axis=1) | (
-            np.isnan(values) & catalogue.bounded
-        )
+        # The thickest layer may lie beyond the tests while thinner ones do not.
+        beyond = np.isnan(values) & (search.least == PASSES)
+        return variants.is_unusual().reshape(-1, len(catalogue.threats)).any(axis=1) | beyond
 
     low, high = np.full(len(other_mm), free_range.min), np.full(len(other_mm), free_range.max)
     least = least_values_mm(stops, scanned, low, high, fails=fails)

@@ -108,6 +108,13 @@ class Mixture(NamedTuple):
                 break
         return np.exp(places) if self.logarithmic else places
 
+    def medians(self) -> Floats:
+        """Return the medians of n distributions, (n,); NaN where they are not known."""
+        known = np.flatnonzero(~np.isnan(self.weights).any(axis=0))
+        medians = np.full(self.weights.shape[1], np.nan)
+        medians[known] = self.mapped(lambda array: array[:, known]).quantile(np.full(len(known), 0.5))
+        return medians
+
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""
         places = self._at(values)
@@ -169,7 +176,6 @@ def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
 
     `many` asks for scipy, which is slow to import.
     """
-    freedom, t = np.broadcast_arrays(freedom, t)
     if many:
         from scipy.special import stdtr  # slow to import
 
@@ -179,13 +185,12 @@ def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
 
 def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
     """Return quantiles of Student's t distribution; the arrays broadcast, and `many` asks for scipy."""
-    freedom, probabilities = np.broadcast_arrays(freedom, probabilities)
     if many:
         from scipy.special import stdtrit  # slow to import
 
         values = stdtrit(freedom, probabilities)
     else:
-        constants, angle = _constants(freedom), np.zeros(freedom.shape)
+        constants, angle = _constants(freedom), np.zeros(np.broadcast_shapes(freedom.shape, probabilities.shape))
         # Newton's method does not pass the root: the function bends one way on each side of 0.
         for _ in range(MOST_ANGLES):
             density = np.maximum(constants * np.cos(angle) ** (freedom - 1.0), LEAST_DENSITY)

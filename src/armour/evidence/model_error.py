@@ -171,8 +171,8 @@ class ModelError:
 
     @checked
     def median(self, limit_m_s: float) -> float:
-        """Return the median of the armour's ballistic limit, given that of the model, m/s."""
-        return float(limit_m_s * (1.0 + self.quantile(0.5)))
+        """Return the expected limit, at which the armour stops half of all shots, given the limit by the model, m/s."""
+        return float(limit_m_s * self.of_shots.quantile(0.5))
 
     @checked
     def probability_of_stopping(self, limit_m_s: FloatOrArray, velocity_m_s: FloatOrArray) -> Any:

@@ -53,6 +53,8 @@ STRANGE, STRANGE_METAL = 0.10, 0.15
 # Thicknesses of the layers, in diameters of the penetrator; and by how much the greatest probability of stopping that
 # is stated falls where the logarithm of a thickness over the nearest tested one grows by 1.
 THICKNESSES = (THIN, "backing_thickness_ratio")
+# Words for the layers, and the factor outside a range of the tests beyond which an armour is called far from them.
+LAYERS, FAR = dict(zip(THICKNESSES, ("tile", "plate"), strict=True)), 1.1
 FALL = 0.1 / log(1.5)
 # Properties that identify a ceramic.
 OF_CERAMIC = ("ceramic_density_kg_m3", "ceramic_modulus_GPa", "ceramic_strength_GPa")
@@ -135,6 +137,8 @@ class Evidence(NamedTuple):
     velocities: DataRange = DataRange("velocity_m_s", 0.0, np.inf)
     fits: tuple[Fit, ...] = ()  # of the model error, one for each law; none if these are results of the paper's program
     ceramic: str = ""  # empty for bare plates
+    metal: str = ""  # of the back plates, and the projectile, if there was only one
+    projectile: str = ""
     obliquity_max_deg: float = 0.0  # greatest angle of the tests
     at_least_deg: float = 0.0  # greatest angle at which plates are known to have at least the limit at normal incidence
     at_least: str = ""  # the tests that show this
@@ -201,7 +205,7 @@ def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
     return tuple(str(data_range) for data_range in ranges if data_range.fails(q).any())
 
 
-AS_GIVEN = ("title", "source", "ceramic", "obliquity_max_deg", "at_least_deg", "at_least")
+AS_GIVEN = ("title", "source", "ceramic", "metal", "projectile", "obliquity_max_deg", "at_least_deg", "at_least")
 
 
 def _ranges(data: Mapping[str, Sequence[float]]) -> tuple[DataRange, ...]:
@@ -490,11 +494,10 @@ class Outside(NamedTuple):
     words: str  # what the model was compared with
     rows: Any  # indices of the armours outside
     numbers: str  # the range of their values, in words
-    brief: str  # the warning in a few words
 
     def note(self, key: str = "") -> Note:
         """Return the warning, by default with its own key."""
-        return Note(self.words + self.numbers, key or self.key, self.brief)
+        return Note(self.words + self.numbers, key or self.key, said="far")
 
 
 def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
@@ -507,21 +510,19 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
         members = armours.at(rows)
         q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
         name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
-        no_test = f"{ceramic.name if ceramic else ''} (no test)"
         oblique = evidence.fails_angle(members.cosines)
-        angle = f"{_ends(np.degrees(np.arccos(members.cosines[oblique])))}° ({evidence.angles()})"
         is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
         checks = [
-            (OBLIQUITY, evidence.angles(), oblique, "", angle),
+            (OBLIQUITY, evidence.angles(), oblique, ""),
             _check(evidence.velocities, {"velocity_m_s": velocities[rows]}),
-            ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name, no_test),
-            ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name, no_test),
-            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name, no_test),
+            ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name),
+            ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name),
+            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name),
             *(_check(data_range, q, ~(is_other & (data_range.name in OF_CERAMIC))) for data_range in evidence.compared),
         ]
-        for key, words, fails, numbers, brief in checks:
+        for key, words, fails, numbers in checks:
             if fails.any():
-                yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers, brief)
+                yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers)
 
 
 def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
@@ -550,6 +551,58 @@ def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[d
         factors[name] = np.where((name == THIN) & (least < 1.0), least, farthest).tolist()
     outside = ({name: each[place] for name, each in factors.items() if each[place] != 1.0} for place in places)
     return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
+
+
+def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
+    """Return in what the armour of a scenario, a single row, is far from the tests, such as "5083-H3 (on 6061-T6)".
+
+    A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
+    range of the tests, which is rounded inwards.
+    """
+    ceramic, tested, p = armours.materials[0].ceramic, what_was_tested(scenario, armours), armours.parameters
+    sizes_mm = [(thickness * armours.cosines).item() / MM for thickness in np.array([p.Hc0, p.Hb])]
+    words = [f"{ceramic.name} (no test)"] if ceramic is not None and sizes_mm[0] and is_untested(ceramic) else []
+    words += filter(None, map(tested.far, LAYERS.values(), sizes_mm))
+    return (*words, *tested.others)
+
+
+class Tested(NamedTuple):
+    """What was tested of armours like one."""
+
+    thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
+    others: tuple[str, ...]  # what else of the armour is far from that, in words
+
+    def far(self, layer: str, size_mm: float) -> str:
+        """Return the thickness of a layer, mm, with the range tested if it is far from that; otherwise ""."""
+        low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
+        if not size_mm or low / FAR <= size_mm <= high * FAR:
+            return ""
+        ends = np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0
+        return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
+
+
+def what_was_tested(scenario: Scenario, armours: Armours) -> Tested:
+    """Return what was tested of armours like that of a scenario, a single row; without that its ceramic was not."""
+    [(nearest, _)] = armours.by_evidence()
+    evidence, q = _tests_of(nearest, armours), armours.quantities()
+    diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
+    ranges = [*evidence.kind, *evidence.measured]
+    roles = {each.name.partition("_")[0] for each in ranges if each.name not in LAYERS and each.factor(q)[0] > FAR}
+    thicknesses_mm = {
+        LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in ranges if each.name in LAYERS
+    }
+    words = []
+    for name, tested, role, with_it in (
+        (armours.materials[0].backing.name, evidence.metal, "backing", "on"),
+        (scenario.impact.projectile, evidence.projectile, "rod", "with"),
+    ):
+        if tested and not evidence.lot and tested != name:
+            words.append(f"{name} ({with_it} {tested})")
+        elif not tested and role in roles:
+            words.append(name)
+    if evidence.fails_angle(armours.cosines)[0]:
+        words.append(f"{scenario.impact.obliquity_deg:g}° (tested to {evidence.obliquity_max_deg:g}°)")
+    return Tested(thicknesses_mm, tuple(words))
 
 
 def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
@@ -600,18 +653,15 @@ def limits_of_model(
         yield Note(words, CERAMIC, said="caveat" * said, about=(TOO_THIN, *ends)), is_thin
 
 
-def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str, str]:
+def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str]:
     """Check whether quantities of n armours lie in a range; `rows` may restrict the check to some of them.
 
-    Return the key, the words of the range, a mask of the armours that fail, the range of their values in words, and the
-    warning in a few words.
+    Return the key, the words of the range, a mask of the armours that fail, and the range of their values in words.
     """
     fails = data_range.fails(q) & ~np.isnan(q[data_range.name]) & rows
     if data_range.name == THIN:  # `limits_of_model` has what is too thin
         fails &= q[THIN] > data_range.low
-    ends = _ends(q[data_range.name][fails])
-    brief = f"{data_range.words(ends)} ({data_range.ends()})"
-    return data_range.key, f"results for {data_range}", fails, f", found {ends}", brief
+    return data_range.key, f"results for {data_range}", fails, f", found {_ends(q[data_range.name][fails])}"
 
 
 def _ends(values: Any, spec: str = "") -> str:
@@ -669,7 +719,8 @@ def threat_warnings(
     """
     threats = scenario.threats()
     titles, backings = [threat.title for threat in threats], [materials.backing for materials in armours.materials]
-    by_threat = (limits_of_model(armours.at([place]), backings) for place in range(len(threats)))
+    each = [armours] if len(threats) == 1 else [armours.at([place]) for place in range(len(threats))]
+    by_threat = (limits_of_model(armour, backings) for armour in each)
     for note, _ in against_each(titles, by_threat):
         yield note
     for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):

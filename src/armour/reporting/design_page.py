@@ -10,23 +10,27 @@ from typing import Any
 import numpy as np
 
 from armour import __version__
+from armour.analysis.ballistic_limit import limit_and_error
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.variants import Floats, outside_words
+from armour.analysis.variants import Floats, Variants
 from armour.core.state import Parameters
-from armour.design.catalogue import COST_COLUMN, NO_BOUND, Catalogue, catalogue_of
-from armour.design.map import DesignMap, design_map, limits_over_sources, thicknesses_tested, with_known_edges
+from armour.design.catalogue import COST_COLUMN, Catalogue, catalogue_of
+from armour.design.check import USUAL_PROBABILITY
+from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
+from armour.design.requirements import VERDICTS, Requirement
 from armour.errors import InputError, Problem
-from armour.evidence.caveats import is_limit_too_low, no_metal
-from armour.evidence.model_error import INTERLAYER, given_error
-from armour.evidence.tests import against_each, limits_of_model, outside_tests
+from armour.evidence.caveats import is_limit_too_low
+from armour.evidence.tests import LAYERS, LEAST_SOURCES, against_each, limits_of_model, what_was_tested
 from armour.reporting.formats import TEMPLATES, rendered
-from armour.reporting.views.design import METALS, in_common
+from armour.reporting.views.design import METALS, verdict_word
+from armour.reporting.words import requirement_words
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Layer
 from armour.units import MM
 
-# The page has the velocity that each design stops with each of these probabilities, and interpolates between them.
-# Probabilities of 1 to 99 % are then right to 0.002, even where the laws of the flow stress differ widely.
+# The page has the velocity that each design stops with each of these probabilities and of those required, and
+# interpolates between them.  Probabilities of 1 to 99 % are then right to 0.002, even where the laws of the flow stress
+# differ widely.
 PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
 # Largest number of designs times threats on a page, which then takes less than 1.5 MB.
 MOST_DESIGNS = 25_000
@@ -62,33 +66,32 @@ def design_page(
         If more designs are on offer than a page can hold.
     """
     catalogue = catalogue_of(scenario)
-    data = _question(catalogue) | {"pairs": _pairs(catalogue, on_progress)}
+    probabilities = tuple(sorted({*PROBABILITIES, *np.round(1.0 - catalogue.bounds, 9).tolist()}, reverse=True))
+    data = _question(catalogue) | {"probabilities": probabilities}
+    data["pairs"] = _pairs(catalogue, probabilities, on_progress)
     data |= {"answer": list(answer), "command": list(command), "changes": list(changes)}
     # In JSON within HTML, no "<" may begin a tag.
     content = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     texts = {ending: (TEMPLATES / f"map.{ending}").read_text() for ending in ("js", "css")}
     hashes = {ending: b64encode(sha256(text.encode()).digest()).decode() for ending, text in texts.items()}
-    return rendered("map.html", title=data["subject"], data=content, texts=texts, hashes=hashes)
+    return rendered("map.html", title=_subject(catalogue), data=content, texts=texts, hashes=hashes)
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:
     """Return the data of the page other than designs: requirements, the scenario's own armour, threats and notes."""
-    from scipy.special import ndtri  # slow to import
-
     section, scenario = catalogue.section, catalogue.scenario
     return {
-        "subject": _subject(catalogue),
-        "title": scenario.title,
-        "version": __version__,
-        "confidence": section.required_probability,
+        "verdicts": list(map(verdict_word, VERDICTS)),
+        "usual": USUAL_PROBABILITY,
+        "probability": section.required_probability,
         "most": section.areal_density_max_kg_m2,
+        "thickest": section.thickness_max_mm,
+        "limited": section.cost_max_per_m2 is not None,
         "added": {"areal": scenario.inert("areal_density_kg_m2"), "thickness": scenario.inert("thickness_mm")},
         "layers": [
             [("inert", layer.thickness_mm, layer.name) for layer in scenario.armour.layer if layer.place == place]
             for place in ("front", "between", "behind")
         ],
-        "interlayer": INTERLAYER if scenario.interlayers else "",
-        "scores": [float(score) for score in ndtri(PROBABILITIES)],
         "own": {
             "ceramic": scenario.armour.ceramic,
             "backing": scenario.armour.backing,
@@ -113,27 +116,32 @@ def _subject(catalogue: Catalogue) -> str:
 def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
     """Return the data of the i-th threat.
 
-    "own" is the required probability of stopping, if the threat has one, and "rod" the penetrator's length and diameter
-    in mm.
+    "own" is the required probability of stopping, if the threat has one, "rod" the penetrator's length and diameter in
+    mm, and "words" are what stands before and after the velocity.
     """
-    threat, bound = catalogue.threats[i], float(catalogue.bounds[i])
-    most = threat.probability_of_perforation
+    threat = catalogue.threats[i]
+    most, speed = threat.probability_of_perforation, f" at {threat.velocity_m_s:g} m/s"
+    before, _, after = threat.title.partition(speed)
     rows = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)))
     core = Parameters(*rows.parameters[i].tolist())
     return {
-        "name": threat.name or threat.standard or threat.projectile,
+        "name": threat.round_name,
+        "words": [before, after],
         "projectile": threat.projectile,
         "velocity": threat.velocity_m_s,
         "obliquity": threat.obliquity_deg,
         "margin": threat.margin_m_s,
-        "own": None if most is None or bound >= NO_BOUND else 1.0 - most,
+        "own": None if most is None else 1.0 - most,
         "rod": [core.L0 / MM, core.D0 / MM],
     }
 
 
 def _notes(catalogue: Catalogue) -> Iterator[str]:
-    """Yield sentences on what the page leaves out."""
-    section = catalogue.section
+    """Yield sentences on what the page shows and leaves out."""
+    section, title = catalogue.section, catalogue.scenario.title
+    yield "Probabilities are those of one shot, far from edges and joints; firing tests are not replaced."
+    if catalogue.has_free_layer:
+        yield "Any thickness in a range without a step is on offer; between the steps of this map a lighter one may do."
     if section.minimise != "areal_density_kg_m2":
         objective = "cost" if section.minimise == COST_COLUMN else "thickness"
         yield f"The scenario asks for the least {objective}; this page compares areal densities."
@@ -142,16 +150,17 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
     if catalogue.scenario.distributions():
         yield (
             "The distributions of the inputs are not included: probabilities include the model error alone. "
-            "The design that armour optimise finds for a confidence may be heavier."
+            "The design that armour optimise finds for a required probability may be heavier."
         )
     if catalogue.scenario.excludes_error():
-        yield "The model error is excluded by uncertainty.model, so no probability is known."
+        yield "By the model alone, as uncertainty.model asks: no probability is known."
     bounds = {"thickness": section.thickness_max_mm, "cost": section.cost_max_per_m2}
     if bounded := [name for name, bound in bounds.items() if bound is not None]:
         yield f"Designs beyond the greatest {' or '.join(bounded)} of the scenario are drawn, but not chosen."
+    yield f"armour {__version__}{f'; scenario: {title}' * bool(title)}"
 
 
-def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]]:
+def _pairs(catalogue: Catalogue, probabilities: tuple[float, ...], on_progress: OnProgress) -> list[dict[str, Any]]:
     """Return the data of every pair of materials, on the finest grids that fit on a page."""
     offers = [offer[:2] for offer in catalogue.offers]
     for nodes, free in PAGE_NODES:
@@ -166,7 +175,8 @@ def _pairs(catalogue: Catalogue, on_progress: OnProgress) -> list[dict[str, Any]
         )
         raise InputError([Problem(catalogue.scenario.file, "design", message)])
     coarser = (nodes, free) != PAGE_NODES[0]
-    return [_pair(catalogue, pair, grid, on_progress) | {"coarser": coarser} for pair, grid in enumerate(grids)]
+    pairs = (_pair(catalogue, pair, grid, probabilities, on_progress) for pair, grid in enumerate(grids))
+    return [pair | {"coarser": coarser} for pair in pairs]
 
 
 def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
@@ -182,15 +192,20 @@ def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
     return np.concatenate([*between, offered[-1:]])
 
 
-def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progress: OnProgress) -> dict[str, Any]:
+def _pair(
+    catalogue: Catalogue,
+    pair: int,
+    grid: tuple[Floats, Floats],
+    probabilities: tuple[float, ...],
+    on_progress: OnProgress,
+) -> dict[str, Any]:
     """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm."""
     ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
-    designs = design_map(catalogue, pair, ceramics, backings, PROBABILITIES, on_progress)
+    designs = design_map(catalogue, pair, ceramics, backings, probabilities, on_progress)
     # A slider of the page limits the areal density, so it excludes no design here.
     massless = designs.candidates._replace(areal_density_kg_m2=np.zeros(len(designs.candidates.pair)))
     violations = catalogue.violations(massless)
-    tested = [thicknesses_tested(catalogue, pair, i) for i in range(len(catalogue.threats))]
     densities = {"ceramic": offer.ceramic.density_kg_m3, "backing": offer.backing.density_kg_m3}
     counts, density = catalogue.scenario.counts_backing, offer.backing_density_kg_m3
     return {
@@ -205,25 +220,74 @@ def _pair(catalogue: Catalogue, pair: int, grid: tuple[Floats, Floats], on_progr
         "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
-        "single": bool(catalogue.lacks_sources[pair] or not catalogue.metal[pair]),
-        "unlike": "" if catalogue.metal[pair] else no_metal(offer.backing_density_kg_m3),
         "over": _over_sources(catalogue, designs),
-        "tested": [[layers["ceramic"], layers["backing"]] if len(layers) == 2 else None for layers in tested],
-        "source": _source(catalogue, designs),
-        **_outside(catalogue, designs),
+        "tested": [_tested(catalogue, designs, tiled=tiled) for tiled in (False, True)],
+        **_caveats(catalogue, designs),
         **_numbers(designs),
     }
 
 
-def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
-    """Return where the designs lie outside the tests, whatever the velocities, which a user of the page can change.
+def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[str, Any] | None:
+    """Return what tests tell of the designs with, or without, a tile; None if there are none.
 
-    "inside" has the places of the designs inside the tests, "outside" the quantities in which all lie outside,
-    "caveats" sentences with the greatest ceramic thickness, mm, that they apply to, and "low" whether the ballistic
-    limit against each threat is too low.
+    "unsound" says why the model does not hold, and "level" is the greatest that the designs then have in a search.  For
+    each threat, "tile" and "plate" are the least and greatest thicknesses tested, mm, "tiles" and "plates" words for
+    those on the page that are far from these, "far" what else is far, "source" and "floor" the tests where the
+    probability is known and whether it is at least that, and "why" the reason where it is not.
+    """
+    places = np.flatnonzero((designs.candidates.ceramic_mm > 0.0) == tiled)
+    if not len(places):
+        return None
+    count = len(catalogue.threats)
+    known = ~np.isnan(designs.by_tests_m_s[..., 0]).reshape(-1, count)[places]
+    rows, of_threats = catalogue.against_each(designs.candidates), []
+    for threat in range(count):
+        row_known, row_unknown = (
+            rows.at(places[of_threat.argmax(), None] * count + threat)
+            for of_threat in (known[:, threat], ~known[:, threat])
+        )
+        _, error, _ = limit_and_error(row_known, ignore_progress)
+        tested = what_was_tested(catalogue.against(designs.pair, threat), row_known.armours)
+        sizes = zip(LAYERS.values(), (designs.ceramic_mm, designs.backing_mm), strict=True)
+        of_threats.append(
+            {
+                **tested.thicknesses_mm,
+                **{f"{layer}s": [tested.far(layer, mm) for mm in sizes_mm.tolist()] for layer, sizes_mm in sizes},
+                "far": tested.others,
+                "source": "" if error is None else error.source,
+                "floor": error is not None and bool(error.at_least),
+                "why": "" if known[:, threat].all() else _why_unknown(row_unknown),
+            }
+        )
+    level, unsound = _unsound(catalogue, designs.pair, tiled=tiled)
+    return {"unsound": unsound, "level": level, "threats": of_threats}
+
+
+def _why_unknown(row: Variants) -> str:
+    """Return why no probability of a single row is known, without the ranges of the tests, which the page has."""
+    return row.why_error_unknown().partition(";")[0].partition(", which are of")[0]
+
+
+def _unsound(catalogue: Catalogue, pair: int, *, tiled: bool) -> tuple[int, str]:
+    """Return the greatest level that designs of a pair have in a search, and why the model does not hold, if so."""
+    offer, ceramic = catalogue.offers[pair], catalogue.materials[pair].ceramic
+    lacking = tiled and ceramic is not None and catalogue.lacks_sources[pair]
+    for level, quantity, required, found, is_unsound in (
+        (0, "backing_density_kg_m3", 0.0, offer.backing_density_kg_m3, not catalogue.metal[pair]),
+        (2 if lacking else 3, "interlayers", 0.0, 0.0, catalogue.scenario.interlayers),
+        (2, "flow_stress_sources", LEAST_SOURCES, 0 if ceramic is None else ceramic.sources, lacking),
+    ):
+        if is_unsound:
+            return level, requirement_words(Requirement(quantity, "", required, found, "not known"))
+    return 4, ""
+
+
+def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
+    """Return "caveats", sentences with the greatest ceramic thickness, mm, that they apply to, and "low".
+
+    The latter is whether the ballistic limit of a bare plate against each threat is too low.
     """
     rows, threats = catalogue.against_each(designs.candidates), len(catalogue.threats)
-    factors = outside_tests(rows.armours, np.full_like(rows.velocities, np.nan), threats)
     ceramic_mm, notes = designs.candidates.ceramic_mm, []
     against = (rows.armours.at(slice(threat, None, threats)) for threat in range(threats))
     by_threat = (limits_of_model(armours, [rows.materials[0].backing]) for armours in against)
@@ -235,8 +299,6 @@ def _outside(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
     return {
         "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in notes],
         "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
-        "inside": [place for place, outside in enumerate(factors) if not outside],
-        "outside": outside_words(in_common(factors)),
     }
 
 
@@ -257,17 +319,6 @@ def _places(nodes: Floats, layer: Layer) -> list[int]:
     if layer.free_range():
         return list(range(len(nodes)))
     return np.searchsorted(nodes, layer.thicknesses()).tolist()
-
-
-def _source(catalogue: Catalogue, designs: DesignMap) -> str:
-    """Return the source of the model error of a pair; "" if no probability is known."""
-    places = np.flatnonzero(~np.isnan(designs.by_tests_m_s[..., 0, 0]))
-    if not len(places):
-        return ""
-    if (error := given_error(catalogue.scenario)) is not None:
-        return error.source
-    rows = catalogue.against_each(designs.candidates.at(places[:1])).at(np.array([0]))
-    return next(evidence.title for evidence, _ in rows.armours.by_evidence())
 
 
 def _numbers(designs: DesignMap) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from pathlib import Path
 from armour import __version__
 from armour.analysis.results import Result
 from armour.reporting.by_result import by_result, draw
-from armour.reporting.report import Card, Report, ReportSection, origin_section
-from armour.reporting.table import Column, Table, interval, percent
+from armour.reporting.report import Report, ReportSection, origin_section
+from armour.reporting.table import Column, Table, percent
 from armour.reporting.views import statistics as views
 from armour.statistics.v50 import FiringResult, LotResults, MeanV50, Shots
 
@@ -34,14 +34,15 @@ def firing_report(result: Result, command: str) -> Report:
 
 def _page(result: FiringResult, command: str, name: str = "", differences: Sequence[str] = ()) -> Report:
     """Make the page of a lot, whose `name` is that of a column and its value, as "lot A"."""
-    shots, [computed, *_], scenario = result.question["shots"], result.heading(), result.question.get("scenario")
+    shots, computed, scenario = result.question["shots"], result.subject(), result.question.get("scenario")
     lines = shots.read.title if shots.read else ()
     mean = result.mean or next(iter(result.means), None)
-    verdict, *notes = map(str, views.requirement_verdict(result) or [""])
-    found = [*views.second_note(result.recommended), *views.point_notes(result)]
+    verdict = views.decision(result) if result.decision else ""
+    found = [f"{name}: {words}" for name, words in views.points(result).items()]
+    found += views.second_note(result.recommended)
     sections = [
         ReportSection("Shots", tables=(_shot_table(shots, mean),)),
-        _v50_section(result, [*notes, *found]),
+        _v50_section(result, found),
         ReportSection("Mean of velocities", () if mean else ("none",), tables=(_mean_table(result),) if mean else ()),
         _not_used(shots, name),
     ]
@@ -59,10 +60,10 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
     return Report(
         title=f"{', '.join(filter(None, ('Record of a firing', name)))}: {lines[0] if lines else computed}",
         text="; ".join((*lines[1:], computed) if lines else ()),
-        lead=verdict,
+        lead=f"{'; '.join(filter(None, (verdict, _v50_fact(result))))}.",
         passed=result.decision == "met" if verdict else None,
         byline=names,
-        cards=(_v50_card(result), _mean_card(result, mean), _asked_card(result)),
+        facts=(_mean_fact(result, mean), _asked_fact(result)),
         warnings=tuple(map(str, result.notes)),
         sections=(*sections, origin),
         signed=SIGNED,
@@ -125,29 +126,29 @@ def _mean_table(result: FiringResult) -> Table:
     )
 
 
-def _v50_card(result: FiringResult) -> Card:
-    """Return the card with V50, its interval and its lower bound, at the confidence asked for."""
+def _v50_fact(result: FiringResult) -> str:
+    """Return V50, its interval and its lower bound, at the confidence asked for."""
     fit, level = result.recommended, percent(result.confidence)
     if fit is None or result.extrapolated:
-        return Card("V50", "not bounded", "by these shots")
+        return "V50 not bounded by these shots"
     lower = "no lower bound" if fit.v50_lower_m_s is None else f"at least {fit.v50_lower_m_s:.0f} m/s"
-    ends = interval(fit.v50_interval_m_s, ".0f")
-    return Card("V50", f"{fit.v50_m_s:.0f} m/s", f"{level} interval {ends}; {lower} with {level}")
+    return f"{views.at_one_level(result)}; {lower} with {level}"
 
 
-def _mean_card(result: FiringResult, mean: MeanV50 | None) -> Card:
-    """Return the card with the mean of the standard, or why there is none."""
-    subject = views.MEANS[mean.rule if mean else "usual span"]
+def _mean_fact(result: FiringResult, mean: MeanV50 | None) -> str:
+    """Return the mean of the standard, or why there is none."""
+    name = views.MEANS[mean.rule if mean else "usual span"]
     if mean is None:
-        return Card(subject, "none", "too few shots of each kind")
-    spread = f"{mean.pairs} + {mean.pairs} shots, spread {mean.span_m_s:.4g} of {mean.span_allowed_m_s:.4g} m/s allowed"
-    return Card(subject, f"{mean.v50_m_s:.0f} m/s" if result.mean else "none: spread exceeded", spread)
+        return f"{name}: none, too few shots of each kind."
+    found = f"{mean.v50_m_s:.0f} m/s" if result.mean else "none, spread exceeded"
+    spread = f"spread {mean.span_m_s:.4g} of {mean.span_allowed_m_s:.4g} m/s allowed"
+    return f"{name}: {found}; {mean.pairs} + {mean.pairs} shots, {spread}."
 
 
-def _asked_card(result: FiringResult) -> Card:
-    """Return the card with what was asked."""
-    confidence = f"confidence {percent(result.confidence)}"
-    if result.requirement_m_s is None:
-        return Card("Asked for", "V50", confidence)
-    name = views.velocity_name(result.requirement_fraction)
-    return Card("Asked for", f"{name} of at least {result.requirement_m_s:g} m/s", f"{confidence}; {result.decision}")
+def _asked_fact(result: FiringResult) -> str:
+    """Return what was asked."""
+    asked = "V50"
+    if result.requirement_m_s is not None:
+        name = views.velocity_name(result.requirement_fraction)
+        asked = f"{name} of at least {result.requirement_m_s:g} m/s"
+    return f"Asked for: {asked}, confidence {percent(result.confidence)}."

@@ -4,7 +4,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.results import installed
@@ -14,14 +14,6 @@ from armour.scenario.scenario import Scenario
 
 # Packages whose versions the results can depend on.
 PACKAGES = ("numpy", "scipy")
-
-
-class Card(NamedTuple):
-    """A box at the top of a report: a statement, its subject above it and a detail below it."""
-
-    subject: str
-    statement: str
-    detail: str
 
 
 @dataclass(frozen=True)
@@ -43,7 +35,7 @@ class ReportSection:
 
 @dataclass(frozen=True)
 class Report:
-    """A report, in the order shown: title, byline, cards, lead, text, warnings and sections.
+    """A report, in the order shown: title, byline, lead, facts, text, warnings and sections.
 
     Only HTML shows the cross-section and the pictures.
     """
@@ -51,10 +43,10 @@ class Report:
     title: str
     lead: str  # the verdict; empty if there is none
     sections: tuple[ReportSection, ...]
-    cards: tuple[Card, ...] = ()
+    facts: tuple[str, ...] = ()  # sentences in the box of the lead
     warnings: tuple[str, ...] = ()
     cross_section: Scenario | None = None  # its armour is drawn to scale
-    passed: bool | None = None  # colours the lead; None without requirements
+    passed: bool | None = None  # colours the lead; None for no colour
     byline: tuple[tuple[str, str], ...] = ()  # names and texts, such as ("author", "A. Smith")
     text: str = ""  # a paragraph after the lead
     signed: tuple[str, ...] = ()  # who signs at the end, such as "Fired by"

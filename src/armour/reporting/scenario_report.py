@@ -10,21 +10,20 @@ from armour.analysis.impact import simulate
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.analysis.samples import misplaced
 from armour.design.catalogue import asks_for_design
-from armour.design.check import CheckedThreat, CheckResult, check
+from armour.design.check import CheckedThreat, CheckResult, check, deciding
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, Note
 from armour.evidence.model_error import given_error
 from armour.evidence.tests import armours_of
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, drawing_of, headline, tables_of
-from armour.reporting.report import Card, Report, ReportSection, origin_section, reference_notes, section_of
-from armour.reporting.table import Column, Table, in_words, percent
+from armour.reporting.report import Report, ReportSection, origin_section, reference_notes, section_of
+from armour.reporting.table import Column, Table, in_words
 from armour.reporting.views import design as design_view
 from armour.reporting.views.library import entry_table
 from armour.reporting.views.statistics import own_test_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES
 from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import sensitivity
 from armour.statistics.uncertainty import uncertainty
@@ -63,7 +62,7 @@ def scenario_report(
     design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
     checked = check(scenario, on_progress=on_part) if design is None else design.shown.check
     armour: Scenario = checked.question["scenario"]
-    threat = min(checked.threats, key=design_view.standing)
+    threat = deciding(checked)
     answer = armour.against(armour.threats()[checked.threats.index(threat)])
     is_uncertain = scenario.distributions() and not misplaced(scenario.distributions(), scenario, answer)
     limit = _or_none(ballistic_limit, answer, ignore_progress)
@@ -72,7 +71,8 @@ def scenario_report(
         "The impact, stage by stage": simulate(answer, history=True),
         "Sensitivity to the inputs": _or_none(sensitivity, answer, on_part),
     }
-    _, *lines = design_view.tables_of_check(checked.of(every_row=True))
+    several = len(checked.threats) > 1
+    lines = [*design_view.facts(checked)[:1] * several, *design_view.details(checked)]
     notes = (*(checked if design is None else design).notes, *(() if limit is None else not_monotonic(limit)))
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
     designs = [] if design is None else [_designs(design, map_command)]
@@ -94,14 +94,10 @@ def scenario_report(
     return Report(
         title=answer.subject(threats=scenario.threat),
         lead=f"{headline(checked)}.",
-        passed=checked.verdict == "passes",
+        passed={"passes": True, "expected to stop": None, "stopped by the model": None}.get(checked.verdict, False),
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,
-        cards=(
-            _probability(checked, threat),
-            _armour(checked, threat, answer, design),
-            _requirements(checked, scenario),
-        ),
+        facts=tuple(_facts(checked, threat, answer)),
         warnings=tuple(map(_warning, notes)),
         cross_section=answer,
     )
@@ -124,41 +120,20 @@ def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProg
         return None
 
 
-def _probability(checked: CheckResult, threat: CheckedThreat) -> Card:
-    """Return the card with the probability of stopping the threat most likely to perforate, and what it rests on."""
-    statement = probability = phrases.chance(threat.probability_of_stopping, threat.model_error)
-    unknown = [each.threat for each in checked.threats if each.probability_of_stopping is None]
-    against = f"against {threat.threat}; " if len(checked.threats) > 1 else ""
-    if threat.probability_of_stopping is not None and unknown:
-        statement = f"{probability} or unknown"
-        against = f"unknown against {' and '.join(unknown)}; {probability} {against}"
-    elif threat.probability_of_stopping is not None and len(checked.threats) > 1:
-        against = f"against {threat.threat}, the most likely of {len(checked.threats)} threats to perforate; "
-    basis = threat.reason or phrases.basis_notes(threat)[0]
-    return Card(phrases.STOPPING.label.capitalize(), statement, against + basis)
-
-
-def _armour(checked: CheckResult, threat: CheckedThreat, answer: Scenario, design: DesignResult | None) -> Card:
-    """Return the card with the armour, its areal density, thickness and cost, and a tested armour near its limit."""
-    details, subject = [design_view.amounts(checked)], "Armour"
-    if design is not None:
-        subject = f"{'Nearest' if design.reason else OBJECTIVES[design.minimised].least.capitalize()} design"
+def _facts(checked: CheckResult, threat: CheckedThreat, answer: Scenario) -> Iterator[str]:
+    """Yield sentences on the armour, its limit and tests against the threat that decides, and on the use of these."""
+    yield f"{answer.armour_words()}, {design_view.amounts(checked)}."
+    against = f"Against {threat.threat}: limit" if len(checked.threats) > 1 else "Limit"
+    tests = design_view.tests_words(threat)
+    near = []
     if (limit := threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(answer, limit) if each.is_near(limit)]
-        details += [f"tested near this limit: {each.armour}, {each.areal_density_kg_m2:.1f} kg/m²" for each in near[:1]]
-    return Card(subject, answer.armour_words(), "; ".join(details))
-
-
-def _requirements(checked: CheckResult, scenario: Scenario) -> Card:
-    """Return the card with the required probabilities and margins, the limits of [design], and inert layers."""
-    probabilities = sorted({p for threat in checked.threats if (p := threat.required_probability) is not None})
-    margins = sorted({threat.required_margin_m_s for threat in checked.threats} - {0.0})
-    requirements = [f"at least {' or '.join(map(percent, probabilities))}"] if probabilities else []
-    requirements += [f"margin of {' or '.join(f'{margin:g}' for margin in margins)} m/s"] if margins else []
-    details = [] if probabilities else ["--probability 0.95 asks for it"]
-    details += [" of ".join(phrases.requirement_parts(row)[:2]) for row in checked.requirements]
-    details += design_view.layer_words(scenario.inert_layers)
-    return Card("Asked for", ", ".join(requirements) or "no probability", "; ".join(details))
+    basis = f"Tests: {tests}" if tests else f"{threat.reason[:1].upper()}{threat.reason[1:]}"
+    yield f"{against} {design_view.limit_words(threat)}. {basis}."
+    if threat.far_from_tests:
+        yield f"Far from the tests: {', '.join(threat.far_from_tests)}."
+    yield from (f"Tested near this limit: {each.armour}, {each.areal_density_kg_m2:.1f} kg/m²." for each in near[:1])
+    yield "One shot, far from edges and joints; this report does not replace firing tests."
 
 
 def _warning(note: Note) -> str:

@@ -84,7 +84,7 @@ def plot(
         raise mistake("plot", "shots", "must be the shots of the result, found others; they can be left out")
     arguments: dict[str, Any] = {"scenario": scenario, "shots": shots}
     result = copy(result).of(**{name: value for name, value in arguments.items() if value is not None})
-    figure: Figure = drawn(drawing_of(result), Sheet(ax=ax), result.heading(), title=title).figure
+    figure: Figure = drawn(drawing_of(result), Sheet(ax=ax), result.subject(), title=title).figure
     return figure
 
 
@@ -96,13 +96,13 @@ def _gives_same_results(scenario: Scenario, other: Scenario) -> bool:
 
 @usual_errors()
 def in_html(result: Result) -> str | None:
-    """Return heading, tables and warnings of a result as HTML, for a notebook; None if its class has no tables."""
+    """Return tables and warnings of a result as HTML, for a notebook; None if its class has no tables."""
     from armour.reporting.formats import rendered
 
     if (tables := by_result(tables_of, result)) is None:
         return None
     warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return rendered("notebook.html", tables=[*result.heading(), *tables(result), *warnings])
+    return rendered("notebook.html", tables=[*tables(result), *warnings])
 
 
 @usual_errors()

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from itertools import compress, starmap
-from math import isfinite
+from math import ceil, floor, isfinite
 from operator import attrgetter
 from textwrap import wrap
 from typing import Any, Self
@@ -22,14 +22,15 @@ Cell = float | int | str | None
 
 
 class VerdictLine(str):
-    """A line that says how an answer ends; a terminal shows it in green if that is good, else in red."""
+    """A line with an answer, which a terminal shows bold: green if it is good, red if not, yellow if that is unsure."""
 
-    good: bool
+    good: bool | None
+    unsure: bool
 
-    def __new__(cls, text: str, *, good: bool) -> Self:
-        """Make the line; `good` chooses its colour."""
+    def __new__(cls, text: str, *, good: bool | None = None, unsure: bool = False) -> Self:
+        """Make the line; without `good` and `unsure`, it has no colour."""
         line = super().__new__(cls, text)
-        line.good = good
+        line.good, line.unsure = good, unsure
         return line
 
 
@@ -73,6 +74,21 @@ def number(value: float | str, spec: str) -> str:
     return text if abs(float(text)) < 1e4 else format(value, f"{sign},{spec.removeprefix(sign)}")
 
 
+def beside(value: float, bound: float, decimals: int, *, at_most: bool = False) -> str:
+    """Format a number that stands beside a bound, the least allowed or, if `at_most`, the greatest.
+
+    It is rounded half up, but to the unsafe side where it would otherwise seem to keep the bound; a bound with more
+    decimals gives more.
+    """
+    if isfinite(bound):
+        decimals = max(decimals, len(f"{bound:.10g}".partition(".")[2]))
+    scale, side = 10.0**decimals, -1.0 if at_most else 1.0
+    rounded = floor(value * scale + 0.5 + 1e-6) / scale
+    if side * value < side * bound <= side * rounded:
+        rounded = (ceil if at_most else floor)(value * scale) / scale
+    return number(rounded, f".{decimals}f")
+
+
 def with_interval(value: float, ends: tuple[float | None, float | None] | None, spec: str) -> str:
     """Format an estimate with its interval, such as "0.80 (0.79 to 0.81)"."""
     return f"{number(value, spec)} ({interval(ends, spec)})"
@@ -86,6 +102,12 @@ def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
     if low is None:
         return "not bounded" if high is None else f"up to {number(high, spec)}"
     return f"from {number(low, spec)}" if high is None else f"{number(low, spec)} to {number(high, spec)}"
+
+
+def between(level: float, ends: tuple[float | None, float | None], spec: str) -> str:
+    """Format an interval with its confidence level, such as "95 % between 764 and 798"."""
+    words = interval(ends, spec)
+    return f"{percent(level)} {words}" if None in ends else f"{percent(level)} between {words.replace(' to ', ' and ')}"
 
 
 @dataclass(frozen=True)
@@ -163,6 +185,11 @@ class Table:
     def of_one(cls, item: Any, *sources: Source, title: str = "") -> Self:
         """Make a record of one item; omit columns without a value."""
         return replace(cls.of([item], *sources, title=title), record=True)
+
+    @classmethod
+    def of_facts(cls, facts: Mapping[str, str]) -> Self:
+        """Make a record of texts by label; omit those that are empty."""
+        return cls.of_one(None, *((Column(label, prose=True), text) for label, text in facts.items()))
 
     def texts(self) -> list[list[str]]:
         """Return the rows with every cell formatted as text."""

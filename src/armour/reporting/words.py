@@ -1,22 +1,20 @@
 """Sentences on the probability of stopping, the model error, and the flow stress of a ceramic without tests."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
-from math import ceil, floor
+from math import ceil, floor, inf
 
 from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
-from armour.analysis.estimates import Estimate
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, interval, number, percent, with_interval
+from armour.reporting.table import Column, Source, Table, VerdictLine, beside, interval, number, percent
 from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-BALLISTIC_LIMIT = Column.of("ballistic_limit_m_s")
 STOPPING = Column("probability of stopping the projectile", prose=True)
 # Areal density including a back plate that exists already; empty without one.
 WHOLE: Source = (
@@ -27,37 +25,20 @@ WHOLE: Source = (
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
 
-# What is said of a probability that is bounded by the distance from the tests.
-FAR = "far from the tests"
-
-
-def estimated(estimate: Estimate | None, spec: str) -> str:
-    """Format an estimate with its interval; None gives an empty text."""
-    return "" if estimate is None else with_interval(estimate.value, (estimate.low, estimate.high), spec)
-
-
-def chance(probability: float | None, error: ModelError | None = None) -> str:
+def chance(probability: float | None, error: ModelError | None = None, required: float | None = None) -> str:
     """Format a probability of stopping, such as "73 %"; it is rounded down, so as never to overstate it.
 
-    It reads "at least" if `error` says that the ballistic limit may be higher, and "far from the tests" if it is the
-    greatest that is stated there.
+    It is as exact as the one `required`, and reads "at least" if `error` says that the limit may be higher.
     """
     if probability is None:
-        return "unknown"
-    if error is not None and error.greatest_probability < 1.0 and probability >= error.greatest_probability:
-        return f"{chance(probability)}, {FAR}"
+        return "not known"
+    decimals = 0 if required is None else len(f"{100.0 * required:.8g}".partition(".")[2])
+    percents = f"{rounded_down(100.0 * probability, decimals):.{decimals}f} %"
     if error is not None and error.at_least and probability <= 0.99:
-        return f"at least {rounded_down(100.0 * probability):.0f} %"
+        return f"at least {percents}"
     if probability < 0.01:
         return "below 1 %"
-    return "above 99 %" if probability > 0.99 else f"{rounded_down(100.0 * probability):.0f} %"
-
-
-def risk(probability: float) -> str:
-    """Format the probability of perforation, given the probability of stopping; with `chance`, they add up to 100 %."""
-    if probability < 0.01:
-        return "above 99 %"
-    return "below 1 %" if probability > 0.99 else f"{100.0 - rounded_down(100.0 * probability):.0f} %"
+    return "above 99 %" if probability > 0.99 and not decimals else percents
 
 
 def rounded_down(number: float, decimals: int = 0) -> float:
@@ -71,40 +52,25 @@ def sampled_percents(stopping: float, ends: tuple[float, float]) -> tuple[float,
     return value, low, 100.0 - above
 
 
-def requirement_parts(row: Requirement) -> tuple[str, str, str]:
-    """Return a requirement in words: the quantity, the amount required, and what the armour has."""
-    least, found = f"at least {row.required:g}", "unknown" if row.found is None else f"{row.found:.4g}"
-    if row.quantity == "margin_m_s":
-        return "margin by the model", f"at least {row.required:+g} m/s", f"{row.found or 0.0:+.0f} m/s"
-    if row.quantity == "probability_of_stopping":
-        found = chance(row.found)
-        if row.found is not None and row.interval is not None:
-            value, low, high = sampled_percents(row.found, row.interval)
-            found = f"{value:.1f} % ({low:.1f} to {high:.1f} %, sampled)"
-        elif row.found is not None and round(100.0 * row.required, 9) % 1.0:  # as exact as what is required
-            found = f"{rounded_down(100.0 * row.found, 1):.1f} %"
-        if row.verdict == "not known" and row.found is not None and (row.interval or (0.0, 0.0))[1] < row.required:
-            found += f" ({FAR})"
-        return STOPPING.label, f"at least {percent(row.required)}", found
-    if row.quantity == "flow_stress_sources":
-        return "sources of the flow stress", least, found
-    if row.quantity == "backing_density_kg_m3":
-        return "density of the back plate", f"{least} kg/m³", f"{rounded_down(row.found or 0.0):g} kg/m³"
-    if row.quantity == "interlayers":
-        return "layers between tile and back plate", "none", found
-    unit = OBJECTIVES[row.quantity].unit
-    label = Column.of(row.quantity).label.removesuffix(unit)
-    return label, f"at most {row.required:g}{unit}", found if row.found is None else f"{found}{unit}"
-
-
 def requirement_words(row: Requirement) -> str:
     """Return what an armour has and what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
     if row.quantity == "backing_density_kg_m3":
         return no_metal(row.found or 0.0)
     if row.quantity == "interlayers":
         return INTERLAYER
-    name, asked, found = requirement_parts(row)
-    return f"{name} {found}, {asked} {'allowed' if row.quantity in OBJECTIVES else 'required'}"
+    if row.quantity == "flow_stress_sources":
+        sources = counted(int(row.found or 0), "source")
+        return f"{sources} of the flow stress of its ceramic, at least {row.required:g} required"
+    unit = OBJECTIVES[row.quantity].unit
+    label = Column.of(row.quantity).label.removesuffix(unit)
+    found = "not known" if row.found is None else amount(row.quantity, row.found, row.required) + unit
+    return f"{label} {found}, at most {row.required:g}{unit} allowed"
+
+
+def amount(quantity: str, value: float, most: float = inf) -> str:
+    """Format the areal density, thickness or cost of an armour, beside the most that is allowed."""
+    text = beside(value, most, 0 if quantity == "cost_per_m2" else 1, at_most=True)
+    return text.removesuffix(".0") if quantity == "thickness_mm" else text
 
 
 def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
@@ -114,6 +80,11 @@ def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
     """
     kinds = kinds or ("caveat", "too low")
     return list(dict.fromkeys(note.text for note in notes if note.said in kinds))
+
+
+def far_line(far: Sequence[str], against: str = "") -> list[Table | str]:
+    """Return a line on what of an armour is far from the tests, if anything; `against` names the threat."""
+    return [VerdictLine(f"far from the tests{against}: {', '.join(far)}", unsure=True)] if far else []
 
 
 def threat_notes(scenario: Scenario | None) -> list[str]:
@@ -141,17 +112,27 @@ def model_error_words(error: ModelError) -> str:
 
 def from_tests(error: ModelError) -> str:
     """Return the model error and its source, such as "model error: ± 7.0 %, from 13 tests"."""
+    at_least = f"; at least that, as {error.at_least}" if error.at_least else ""
+    return f"{size_of(error)}, from {error.source}{at_least}"
+
+
+def size_of(error: ModelError) -> str:
+    """Return the model error in numbers, such as "model error: ± 7.0 %"."""
     if error.ratio.logarithmic:
         low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
-        words = f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %), from {error.source}"
-        return words if not error.at_least else f"{words}; at least that, as {error.at_least}"
+        return f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %)"
     mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    return f"model error: {mean}± {error.scale_percent:.1f} %, from {error.source}"
+    return f"model error: {mean}± {error.scale_percent:.1f} %"
 
 
 def extrapolation(error: ModelError) -> list[str]:
     """Return a line with the quantities in which the model error is extrapolated beyond its tests, if any."""
     return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+
+
+def scatter(error: ModelError | None) -> str:
+    """Return the scatter of single shots about V50 that a probability includes, and its source."""
+    return "" if error is None else f"shots scatter by {error.scatter_percent:.2g} % of V50 ({error.scatter_source})"
 
 
 def tested_here(error: ModelError) -> list[str]:
@@ -213,14 +194,6 @@ def least_flow_stress() -> float:
     return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
 
 
-def needed_words(needed: NeededFlowStress | None) -> str | None:
-    """Return the flow stress that a ceramic without tests needs, GPa, as the text of a cell; None gives None."""
-    if needed is None or needed.needed_GPa is None:
-        return None if needed is None else "above 100"
-    # A number would add nothing: every ceramic of the library has more.
-    return "less than any" if needed.needed_GPa < least_flow_stress() else rounded_up(needed.needed_GPa)
-
-
 def rounded_up(number: float) -> str:
     """Format a positive number rounded up to a tenth; floating-point error above a tenth is ignored."""
     return f"{ceil(10.0 * number - 1e-9) / 10.0:g}"
@@ -238,9 +211,3 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
     return [*notes, *flow_stress_notes(answer.flow_stress)]
-
-
-def with_error(median_m_s: float | None, interval_m_s: tuple[float, float] | None) -> Source:
-    """Return the column and the cell with the ballistic limit corrected for the model error, and its 95 % interval."""
-    limit = "" if median_m_s is None else f"{median_m_s:.0f} m/s (95 % interval {interval(interval_m_s, '.0f')} m/s)"
-    return Column("with the model error", prose=True), limit

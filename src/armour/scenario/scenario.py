@@ -329,7 +329,8 @@ class Scenario(Section):
         return f"{layers(self.armour, varied or {})} against {rounds(self.impact, varied or {}, threats)}"
 
     def __repr__(self) -> str:
-        return f"<Scenario: {'; '.join(heading(self.subject(), self.title))}>"
+        title = f"; scenario: {self.title}" if self.title else ""
+        return f"<Scenario: {self.subject()}{title}>"
 
     __str__ = __repr__
 
@@ -484,6 +485,11 @@ class Scenario(Section):
         section = None if self.uncertainty is None else self.uncertainty.model
         return section is not None and not section.included
 
+    def required_probabilities(self) -> tuple[float | None, ...]:
+        """Return the probability of stopping each threat that is required; None where none is."""
+        bounds = ((self.design or schema.DesignSection()).bound(threat) for threat in self.threats())
+        return tuple(None if bound is None else 1.0 - bound for bound in bounds)
+
     def threats(self) -> tuple[schema.Threat, ...]:
         """Return the threats; without any, the impact."""
         return tuple(self.threat) or (schema.Threat.model_construct(**self.impact.model_dump()),)
@@ -548,11 +554,6 @@ def _names(names: Sequence[object], unknown: str) -> str:
     if len(words) > MAX_LISTED:
         words = [*words[:MAX_LISTED], f"{len(words) - MAX_LISTED} more"]
     return joined(words or ["" if names else unknown], "or")
-
-
-def heading(computed: str, title: str) -> list[str]:
-    """Return the first lines of an output: the subject of the computation, and the scenario's title."""
-    return [computed, *([f"scenario: {title}"] if title else [])]
 
 
 @checked

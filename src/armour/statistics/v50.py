@@ -224,6 +224,9 @@ class FiringResult(TableResult):
         Confidence level of the intervals.
     model_ballistic_limit_m_s : float or None
         Ballistic limit of the scenario, m/s, where one is given.  The model is deterministic: the limit has no scatter.
+    expected_limit_m_s : float or None
+        Ballistic limit that the armour exceeds with a probability of 50 %, given tests of such armours but not these
+        shots, m/s; None if the model error is not known.
     model_interval_m_s : tuple of float or None
         Interval of the armour's limit with a probability of 95 %, m/s; None if the model error is not known.
     notes : tuple of Note
@@ -292,6 +295,7 @@ class FiringResult(TableResult):
     consumers_risk: float | None = None
     producers_risk: float | None = None
     fired: Shots | None = None
+    expected_limit_m_s: float | None = None
     means: tuple[MeanV50, ...] = ()
 
     def difference(self, second: "FiringResult", confidence: Confidence | None = None) -> V50Difference:
@@ -632,6 +636,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
+        expected_limit_m_s=None if model is None else model.expected_limit_m_s,
     ).of(subject, scenario=scenario, shots=shots)
 
 

@@ -21,9 +21,11 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 import armour
-from armour.analysis.evaluate import check_keys, check_quantities, evaluate_groups, groups_of, scenarios_of
-from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, reads_of
+from armour.analysis.evaluate import check_keys, check_quantities, scenarios_of
+from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, VERDICT, reads_of
 from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
+from armour.design.check import evaluated
+from armour.design.requirements import VERDICTS
 from armour.engine.changes import changed_names
 from armour.errors import InputError, Note, choices, counted, duration, mistake
 from armour.files import reason, shipped
@@ -46,8 +48,8 @@ SAMPLES = (4, 4, 32, 256, 2048)
 LONG_S = 3600.0
 MANY_ROWS = 10**8
 
-# Outcomes in a table.
-OUTCOMES = ("perforated", "stopped")
+# Words of a column, by quantity.
+WORDS_OF: dict[str, Sequence[str]] = {"outcome": ("perforated", "stopped"), VERDICT: VERDICTS}
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
 LIBRARIES = ("numpy",)
@@ -193,30 +195,56 @@ def sweep(
     if not names:
         raise mistake("sweep", "quantities", "must name at least one quantity, found none")
     source = source_of(over, cases)
-    warnings = [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
-    columns: Mapping[str, Any] = {}
     if output is None:
-        if source.count > MAX_ROWS:
-            raise mistake("sweep", "output", f"must be given for more than {MAX_ROWS:,} rows, found {source.count:,}")
-        check(scenario, source, names)
-        warnings += general_warnings(scenario, names)
-        check_rows(scenario, source)
-        columns, row_counts = chunk_of(scenario, source.rows(np.arange(source.count)), names, threads)
-        warnings += row_warnings(row_counts, source.count)
+        result = sweep_in_memory(scenario, source, names, threads, MAX_ROWS)
         on_progress(source.count, source.count)
-    else:
-        output = Path(output).absolute()
-        write_sweep(
-            scenario,
-            source,
-            names,
-            output,
-            threads=threads,
-            on_chunk=lambda rows, _stored: on_progress(rows, source.count),
-            tell=lambda line: warnings.append(line.removeprefix("warning: ")),
-        )
-    result = SweepResult(scenario, source.keys, names, source.count, output, tuple(map(Note, warnings)), columns)
-    return result.of(subject_of(scenario, source, names), scenario=scenario)
+        return result
+    output, warnings = Path(output).absolute(), _omissions(source)
+    write_sweep(
+        scenario,
+        source,
+        names,
+        output,
+        threads=threads,
+        on_chunk=lambda rows, _stored: on_progress(rows, source.count),
+        tell=lambda line: warnings.append(line.removeprefix("warning: ")),
+    )
+    return _result(scenario, source, names, warnings, output=output)
+
+
+def sweep_in_memory(
+    scenario: Scenario,
+    source: Grid | SweepCases,
+    quantities: Sequence[str],
+    threads: int | None,
+    most: int,
+) -> SweepResult:
+    """Compute quantities of a scenario for every row of a source, at most ``most``, as `sweep` without a file."""
+    if source.count > most:
+        raise mistake("sweep", "output", f"must be given for more than {most:,} rows, found {source.count:,}")
+    check(scenario, source, quantities)
+    check_rows(scenario, source)
+    columns, row_counts = chunk_of(scenario, source.rows(np.arange(source.count)), quantities, threads)
+    warnings = [*general_warnings(scenario, quantities), *row_warnings(row_counts, source.count)]
+    return _result(scenario, source, quantities, [*_omissions(source), *warnings], columns)
+
+
+def _omissions(source: Grid | SweepCases) -> list[str]:
+    """Return warnings of the ends of ranges that are left out."""
+    return [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
+
+
+def _result(
+    scenario: Scenario,
+    source: Grid | SweepCases,
+    quantities: Sequence[str],
+    warnings: Sequence[str],
+    columns: Mapping[str, Any] = {},
+    output: Path | None = None,
+) -> SweepResult:
+    notes = tuple(map(Note, warnings))
+    result = SweepResult(scenario, source.keys, tuple(quantities), source.count, output, notes, columns)
+    return result.of(subject_of(scenario, source, quantities), scenario=scenario)
 
 
 def write_sweep(
@@ -294,23 +322,24 @@ def blocks_of(source: Grid | SweepCases, size: int, start: int = 0) -> Iterator[
 
 def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads: int | None) -> Chunk:
     """Compute quantities for rows, columns of values by key; return them with these columns."""
-    results, warnings = evaluate_groups(groups_of(scenario, rows), quantities, threads)
-    return Chunk({**rows, **results}, warnings)
+    results, warnings = evaluated(scenario, rows, quantities, threads)
+    words = {name: results[name].astype(np.array(WORDS_OF[name]).dtype) for name in WORDS_OF.keys() & {*quantities}}
+    return Chunk({**rows, **results, **words}, warnings)
 
 
 def types_of(source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, Any]:
     """Return the types of the columns in numpy, by name: of the keys of a source, and of quantities."""
     types = {key: values.dtype for key, values in source.rows(np.arange(1)).items()}
-    return types | {name: np.array(OUTCOMES if name == "outcome" else 0.0).dtype for name in quantities}
+    return types | {name: np.array(WORDS_OF.get(name, 0.0)).dtype for name in quantities}
 
 
 def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
-    """Return whether a chunk from a file has the rows of a source from `start` on, and outcomes that are ones."""
+    """Return whether a chunk from a file has the rows of a source from `start` on, and words of their quantities."""
     if chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
         return False
     rows = source.rows(np.arange(start, start + chunk.rows))
     is_same = all(np.array_equal(values, chunk.columns[key]) for key, values in rows.items())
-    return is_same and bool(np.isin(chunk.columns.get("outcome", ()), OUTCOMES).all())
+    return is_same and all(np.isin(chunk.columns.get(name, ()), words).all() for name, words in WORDS_OF.items())
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
@@ -341,15 +370,16 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
     """Return warnings of unused threats, and of quantities that need an excluded model error or change a hull."""
+    of_impact = [name for name in quantities if name != VERDICT]
     without_value = [
-        name for name in quantities if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
+        name for name in of_impact if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
     changing = (
         [] if scenario.counts_backing else [n for n in quantities if QUANTITIES[n].least in ("back plate", "armour")]
     )
     return [
         *(f"{name}: changes the back plate, although it exists (design.existing)" for name in changing),
-        *(map(str, scenario.unused_threats()) if {*reads_of(quantities)} - {*OF_WEIGHT} else ()),
+        *(map(str, scenario.unused_threats()) if {*reads_of(of_impact)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
 
@@ -381,19 +411,14 @@ def effort_of(
     row_s = slowest_row_s = row_bytes = 0.0
     for sample, number in enumerate(SAMPLES):
         count = min(number, source.count)
-        spread_groups = groups_of(
-            scenario, rows := source.rows(np.linspace(0, source.count - 1, count).astype(np.int64))
-        )
+        rows = source.rows(np.linspace(0, source.count - 1, count).astype(np.int64))
         begun = perf_counter()
-        results, _ = evaluate_groups(spread_groups, quantities, threads)
-        evaluated = perf_counter()
-        # Consecutive rows, as in a chunk, share more scenarios than rows from all over the source.
-        chunk_groups = groups_of(scenario, source.rows(np.arange(count)))
-        grouped = perf_counter()
-        evaluate_groups(chunk_groups, quantities, threads)
-        row_s = (grouped - begun) / count
-        slowest_row_s = max(row_s, (perf_counter() - evaluated) / count)
-        row_bytes = len(csv_of({**rows, **results})) / count
+        spread = chunk_of(scenario, rows, quantities, threads)
+        halfway = perf_counter()
+        chunk_of(scenario, source.rows(np.arange(count)), quantities, threads)
+        row_s = (halfway - begun) / count
+        slowest_row_s = max(row_s, (perf_counter() - halfway) / count)
+        row_bytes = len(csv_of(spread.columns)) / count
         if sample and (count < number or slowest_row_s * count > SAMPLE_S):
             break
     seconds = row_s * source.count / (workers.number if workers else 1)

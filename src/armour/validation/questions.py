@@ -8,6 +8,7 @@ from armour.analysis.evaluate import QuantityValues, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.catalogue import catalogue_of
+from armour.design.check import check_of
 from armour.design.optimise import BestDesign, armour_in_words, optimise
 from armour.errors import NoAnswerError, mistake
 from armour.scenario.scenario import Scenario
@@ -73,8 +74,10 @@ def answer(name: str, subject: Subject) -> float | str:
     elif name in SAVINGS:
         before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
         value = 100.0 * (1.0 - after / before)
+    elif compute := QUANTITIES[name].compute:
+        value = compute(subject.answers)[0].item()
     else:
-        value = QUANTITIES[name].compute(subject.answers)[0].item()
+        value = check_of(subject.scenario, changes=False, needed=False).verdict
     if value == value:  # not NaN
         return value
     if "optimise" not in QUESTIONS[name]:

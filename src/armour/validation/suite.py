@@ -9,13 +9,12 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from armour.analysis.quantities import label_and_unit
+from armour.analysis.quantities import label_and_unit, with_round
 from armour.columns import GROUPS, column_of
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import located, named, read_toml, shipped_files, shipped_tests, suite_file
 from armour.scenario.checked import checked
 from armour.scenario.effect import check_columns, check_effect
-from armour.scenario.inputs import ROUND_AND_ARMOUR
 from armour.scenario.keys import KeyPath, canonical, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed
 from armour.scenario.sections import every_problem
@@ -377,7 +376,7 @@ def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
 
 def _reads_of(case: Case) -> set[str]:
     """Return the sections and keys of a scenario on which the quantity of a case depends."""
-    return {*ROUND_AND_ARMOUR, *QUESTIONS[case.quantity]}
+    return with_round(QUESTIONS[case.quantity])
 
 
 def suite_files(suite: Suite) -> list[Path]:

@@ -6,8 +6,10 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
+from armour.analysis.quantities import VERDICT, WORDS
 from armour.columns import perforates
 from armour.csv_files import MUST_SAY, number
+from armour.design.requirements import VERDICTS
 from armour.errors import choices
 from armour.scenario.keys import describe
 from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section
@@ -90,9 +92,9 @@ class _Expectation(Section):
     @model_validator(mode="after")
     def _one_band(self) -> "_Expectation":
         bands = [key for key in ("band", "band_percent") if getattr(self, key) is not None]
-        if self.quantity == "outcome":
+        if self.quantity in WORDS:
             if bands:
-                raise ValueError(f"an outcome has no band, found {bands[0]}")
+                raise ValueError(f"{WORDS[self.quantity]} has no band, found {bands[0]}")
         elif len(bands) == 2:
             raise ValueError("must have band or band_percent, found both")
         elif not bands and not self.not_scored and not getattr(self, "file", ""):
@@ -120,13 +122,16 @@ class CaseSection(_Expectation):
         if self.expected is not None and self.quantity == "outcome":
             if perforates(str(self.expected)) is None:
                 raise ValueError(f"expected {MUST_SAY}, found {describe(self.expected)}")
+        elif self.expected is not None and self.quantity == VERDICT:
+            if self.expected not in VERDICTS:
+                raise ValueError(f"expected must be one of {', '.join(VERDICTS)}, found {describe(self.expected)}")
         elif isinstance(self.expected, str) or abs(self.expected or 0.0) > LARGEST:
             must = f"expected must be a number up to {LARGEST:g} for {self.quantity}"
             raise ValueError(f"{must}, found {describe(self.expected)}")
         if (self.quantity in SAVINGS) != (self.replaced_by is not None):
             raise ValueError(f"replaced_by belongs to {' and '.join(SAVINGS)}, and to nothing else")
-        if self.quantity == "outcome" and self.measured is not None:
-            raise ValueError("an outcome has no difference from a measured value, found measured")
+        if self.quantity in WORDS and self.measured is not None:
+            raise ValueError(f"{WORDS[self.quantity]} has no difference from a measured value, found measured")
         return self
 
 
@@ -142,7 +147,7 @@ class TableSection(_Expectation, GroupSection):
 
     @model_validator(mode="after")
     def _shape(self) -> "TableSection":
-        if self.quantity in (*SAVINGS, "outcome"):
+        if self.quantity in (*SAVINGS, *WORDS):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
         if self.rms_band is not None and self.rms_band_percent is not None:
             raise ValueError("must have rms_band or rms_band_percent, found both")

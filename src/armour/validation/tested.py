@@ -84,6 +84,17 @@ def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmo
     return tuple(nearest.values())
 
 
+def limits_measured(scenario: Scenario) -> list[float]:
+    """Return the ballistic limits, m/s, that the shipped tests measured of this very armour with this very round."""
+    core, angle = tuple(scenario.inputs()[name] for name in ROD), scenario.impact.obliquity_deg
+    subject = scenario.armour_words(), scenario.impact.projectile
+    return [
+        each.ballistic_limit_m_s
+        for _, values, each in (_measured() if not angle else ())
+        if ((each.armour, each.projectile), values) == (subject, core)
+    ]
+
+
 @cache
 def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
     """Return the shipped tests at normal incidence, each as its kind, its core and its armour.

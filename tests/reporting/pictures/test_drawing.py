@@ -94,15 +94,15 @@ def legend_of(picture: Picture) -> list[str]:
 
 @pytest.mark.parametrize("suffix", METADATA)
 def test_the_same_picture_is_the_same_file(suffix: str):
-    content = saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
+    content = saved(drawn(named_rows, Sheet(), "it").figure, suffix)
     assert content.startswith(MAGIC[suffix])
-    assert content == saved(drawn(named_rows, Sheet(), ["it"]).figure, suffix)
+    assert content == saved(drawn(named_rows, Sheet(), "it").figure, suffix)
 
 
 def test_settings_of_a_user_are_for_axes_of_the_user():
-    content = saved(drawn(named_rows, Sheet(), ["it"]).figure, ".svg")
+    content = saved(drawn(named_rows, Sheet(), "it").figure, ".svg")
     with mpl.rc_context({"xtick.labelsize": 30, "text.usetex": True, "savefig.format": "eps", "savefig.bbox": "tight"}):
-        assert saved(drawn(named_rows, Sheet(), ["it"]).figure, ".svg") == content
+        assert saved(drawn(named_rows, Sheet(), "it").figure, ".svg") == content
         axes = Figure().subplots()
         drawn(named_rows, Sheet(ax=axes))
     assert axes.get_xticklabels()[0].get_fontsize() == 30
@@ -119,7 +119,7 @@ class InexactLayout(ConstrainedLayoutEngine):
 
 
 def test_a_file_does_not_depend_on_the_last_digits_of_a_layout():
-    exact, inexact = (drawn(a_map, Sheet(), ["it"]).figure for _ in range(2))
+    exact, inexact = (drawn(a_map, Sheet(), "it").figure for _ in range(2))
     inexact.set_layout_engine(InexactLayout())
     assert saved(inexact, ".svg") == saved(exact, ".svg")
     assert isinstance(inexact.get_layout_engine(), InexactLayout)
@@ -128,7 +128,7 @@ def test_a_file_does_not_depend_on_the_last_digits_of_a_layout():
 @pytest.mark.parametrize("width", [WIDTH, 4.2])
 @pytest.mark.parametrize("name", DRAWINGS)
 def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float):
-    figure = drawn(DRAWINGS[name](), Sheet(width), ["what it is about"]).figure
+    figure = drawn(DRAWINGS[name](), Sheet(width), "what it is about").figure
     figure.draw_without_rendering()
     whole, (across, up) = figure.get_tightbbox(), figure.get_size_inches()
     assert min(whole.x0, whole.y0) > -0.02
@@ -186,10 +186,10 @@ def test_names_are_rows_with_the_first_on_top():
 
 
 def test_the_title_is_the_answer_above_what_it_is_about():
-    figure = drawn(named_rows, Sheet(), ["armour and round", "scenario"]).figure
+    figure = drawn(named_rows, Sheet(), "armour and round").figure
     assert figure.get_suptitle().strip() == "T"
     assert "armour and round" in [text.get_text() for text in figure.texts]
-    assert drawn(named_rows, Sheet(), ["armour"], title="mine").figure.get_suptitle() == "mine"
+    assert drawn(named_rows, Sheet(), "armour", title="mine").figure.get_suptitle() == "mine"
     bare = drawn(named_rows, Sheet(4.2), title="").figure
     assert not bare.texts
     assert bare.get_figwidth() == 4.2
@@ -203,7 +203,7 @@ def test_no_text_is_markup_and_none_has_control_characters(text: str):
         picture.axes[0].set(title=text, xlabel=text)
         return picture
 
-    root = ElementTree.fromstring(saved(drawn(draw, Sheet(), [text]).figure, ".svg"))
+    root = ElementTree.fromstring(saved(drawn(draw, Sheet(), text).figure, ".svg"))
     shown = ["".join(element.itertext()).strip() for element in root.iter("{http://www.w3.org/2000/svg}text")]
     # Title, subject, note, legend, row, x axis and panel.
     assert shown.count(text.replace("\x08", "\\x08")) == 7
@@ -258,7 +258,7 @@ def test_a_picture_of_one_panel_is_drawn_into_axes_of_a_user():
     limit = sweep(scenario(), {"armour.ceramic_thickness_mm": [6.0, 7.0]}, "areal_density_kg_m2")
     assert plot(limit, ax=right) is figure
     assert right.get_title().startswith("Areal density over")
-    assert right.get_xlabel() == "ceramic thickness, mm"
+    assert right.get_xlabel() == "tile thickness, mm"
     assert not left.lines
     assert figure.axes == [left, right]
     with pytest.raises(InputError, match="plot: ax: must not be given for a picture of 4 panels"):

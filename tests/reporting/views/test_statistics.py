@@ -2,20 +2,15 @@ from dataclasses import replace
 
 import pytest
 
+from armour.reporting.by_result import in_a_line
 from armour.reporting.views import statistics as view
-from armour.reporting.views.statistics import (
-    coefficient_table,
-    correlation_table,
-    residual_table,
-    share_note,
-    v50_table,
-)
-from armour.reporting.words import SAMPLED_ALONE, chance, risk
+from armour.reporting.views.statistics import correlation_table, residual_table, share_note
+from armour.reporting.words import chance
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.v50 import Shots, v50
-from tests.reporting.tables import headings
+from tests.reporting.tables import facts
 from tests.statistics.results import uncertainty_result
 
 
@@ -23,7 +18,7 @@ def test_a_velocity_below_zero_is_said_not_to_be_given():
     low = v50(Shots((60.0, 160.0, 230.0, 270.0, 280.0), (False, True, True, True, True)), pairs=1, span_m_s=100.0)
     assert low.recommended is not None
     assert low.recommended.v05_m_s is None
-    assert any(isinstance(item, str) and item.startswith("V05 has no estimate") for item in view.tables_of_firing(low))
+    assert "; 5 % perforate at no positive velocity, 95 % at " in facts(view.tables_of_firing(low))["scatter"]
 
 
 @pytest.fixture
@@ -53,14 +48,23 @@ def calibration() -> CalibrationResult:
     )
 
 
-def test_coefficients(calibration: CalibrationResult):
-    table = coefficient_table(calibration)
-    assert headings(table)[-1] == "95 % interval"
-    assert table.texts() == [
-        ["ceramic flow stress, GPa", "5.209", "4.87 to 5.548"],
-        ["ceramic flow stress ceramic slope", "not identified", "the tests do not change with it"],
-    ]
+def test_a_fit_is_its_coefficients_and_tests(calibration: CalibrationResult):
+    assert in_a_line(calibration) == (
+        "ceramic flow stress 5.209 GPa (95 % between 4.87 and 5.548); "
+        "ceramic flow stress ceramic slope not identified: the tests do not change with it"
+    )
+    assert facts(view.tables_of_calibration(calibration)) == {"tests": "2: 1 700 m/s, 2 at least 800 m/s"}
     assert correlation_table(calibration).texts()[0] == ["1 ceramic flow stress, GPa", "+1.000", "-0.500"]
+
+
+def test_many_tests_are_their_errors_and_the_farthest(calibration: CalibrationResult):
+    limits = (
+        Residual(name, "ballistic_limit_m_s", 700.0, 700.0 + off, None, "")
+        for name, off in zip("abcd", range(4), strict=True)
+    )
+    shown = facts(view.tables_of_calibration(replace(calibration, residuals=(*calibration.residuals, *limits))))
+    assert shown["tests"] == "6, mean error 2.0 %, 1 outcome not met"
+    assert shown["farthest"] == "1 +2.0 %, d +0.4 %, c +0.3 %"
 
 
 def test_residuals(calibration: CalibrationResult):
@@ -76,11 +80,10 @@ def test_residuals(calibration: CalibrationResult):
 def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     shots = Shots((700.0, 740.0, 770.0, 780.0, 750.0), (False, False, False, False, True))
     found = v50(shots, pairs=1, span_m_s=30.0)
-    assert "V50, mean, m/s" in {column.heading for column in v50_table(found).columns}
-    notes = [item for item in view.tables_of_firing(found) if isinstance(item, str)]
-    assert notes[0] == "mean of shots: 765 m/s from 1 + 1 shots within 30 m/s"
-    assert notes[1].startswith("no curve is recommended")
-    assert "MIL-STD-662F does not usually average" in notes[2]
+    assert in_a_line(found) == "V50 not known: no curve rises with the velocity"
+    mean = facts(view.tables_of_firing(found))["mean"]
+    assert mean == "765 m/s of 1 + 1 shots within 30 m/s, 30 allowed (no usual rule)"
+    assert view.MEAN_NOTES["no usual rule"] in view.tables_of_firing(found.of(every_row=True))
 
 
 def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
@@ -88,45 +91,47 @@ def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
     complete = (False, False, True, False, True, True, True, False, False)
     shots = Shots(velocities, complete)
     found = v50(shots)
-    line = view.answer(found)
-    assert line.startswith("V50 843 m/s, 90 % interval 819 to 905 (95 % not bounded); ")
-    [note] = view.further_note(found)
-    assert note.startswith("one further result would bound V50, best a ")
-    assert line.endswith("MIL-STD-662F: 843 m/s from 3 + 3 shots within 16 m/s")
-    wider = Shots((*velocities, 900.0, 780.0), (*complete, True, False))
-    assert view.answer(v50(wider)).startswith("V50 844 m/s, 95 % interval 777 to 1069; ")
+    assert in_a_line(found) == "V50 843 m/s (90 % between 819 and 905; 95 % is not bounded)"
+    shown = facts(view.tables_of_firing(found))
+    assert shown["more"] == "a shot perforating at 866 m/s would bound V50: 799 to 885 m/s"
+    assert shown["mean"] == "843 m/s of 3 + 3 shots within 16 m/s, 27.4 allowed (MIL-STD-662F)"
+    assert shown["shots"] == "9, 4 perforated; highest stopped 848 m/s, lowest perforated 838 m/s"
+    wider = v50(Shots((*velocities, 900.0, 780.0), (*complete, True, False)))
+    assert in_a_line(wider).startswith("V50 844 m/s (95 % between 777 and 1069), at least ")
+    assert "more" not in facts(view.tables_of_firing(wider))
 
 
 def test_a_second_curve_that_fits_nearly_as_well_is_told():
     partial, complete = (338.1, 638.3, 647.0, 648.2, 655.0, 656.3, 661.9), (638.5, 665.0, 668.3, 668.8, 680.7)
     found = v50(Shots((*partial, *complete), (False,) * 7 + (True,) * 5))
     [note] = view.second_note(found.recommended)
-    assert note.startswith(
-        "two curves fit these shots nearly equally: V50 659.1 m/s with a scatter of 21.6 m/s, and V50 659.7 m/s with a "
-        "scatter of 46.2 m/s"
-    )
+    assert note.startswith("as likely as V50 659.1 (scatter 21.6) is 659.7 m/s (scatter 46.2)")
     assert note in view.tables_of_firing(found)
     assert view.second_note(None) == []
 
 
 def test_a_v50_that_the_shots_do_not_bound_is_no_answer():
     found = v50(Shots((735.3, 761.4, 720.0, 748.0, 744.0), (False, True, True, False, True)), fraction=0.01)
-    assert view.answer(found) == "V50 not bounded by these shots"
-    assert view.further_note(found)[0].startswith("no single further result bounds V50 at 95 %; best is a partial")
-    assert view.point_notes(found)[0].startswith("V01: no positive estimate")
+    assert in_a_line(found) == "V50 not bounded by these shots"
+    shown = facts(view.tables_of_firing(found))
+    assert shown["more"].startswith("a shot stopped at ")
+    assert " would bound V50: 50 % " in shown["more"]
+    assert shown["V01"].startswith("no positive estimate")
 
 
 def test_a_mean_within_another_span_is_not_named_after_the_standard():
     shots = Shots((700, 710, 715, 720, 725, 730, 722, 735), (False, False, True, False, True, True, False, True))
-    assert "mean within the span given: 720 m/s" in view.answer(v50(shots, pairs=3, span_m_s=60.0))
+    mean = facts(view.tables_of_firing(v50(shots, pairs=3, span_m_s=60.0)))["mean"]
+    assert mean.startswith("720 m/s of 3 + 3 shots")
+    assert "MIL-STD-662F" not in mean
 
 
 def test_why_an_interval_is_wider_with_a_prior():
     velocities = (735.0, 738.0, 740.0, 742.0, 746.0, 747.0, 744.0, 745.0, 748.0, 749.0, 751.0, 752.0)
     shots = Shots(velocities, (False,) * 6 + (True,) * 6)
     found = v50(shots, load_scenario("wilkins"), prior=True)
-    assert view.WIDER in view.tables_of_firing(found)
-    assert view.WIDER not in view.tables_of_firing(v50(shots))
+    assert view.WIDER in view.tables_of_firing(found.of(every_row=True))
+    assert view.WIDER not in view.tables_of_firing(v50(shots).of(every_row=True))
 
 
 def test_a_requirement_is_met_at_the_one_sided_bound():
@@ -140,9 +145,11 @@ def test_a_requirement_is_met_at_the_one_sided_bound():
     assert [each.decision for each in found] == ["met", "not decided", "not met"]
     assert found[0].consumers_risk == pytest.approx(0.05, abs=0.002)
     assert [(each.consumers_risk or 0.0) + (each.producers_risk or 0.0) for each in found] == pytest.approx([1.0] * 3)
-    verdict, fixed = view.requirement_verdict(found[1])
-    assert verdict.startswith(f"not decided: {bound + 0.5:g} m/s required of V50; accepting it now has a risk")
-    assert fixed == view.FIXED
+    verdict, estimate, *_ = view.tables_of_firing(found[1])
+    assert str(verdict).startswith(f"not decided: V50 of at least {bound + 0.5:g} m/s; risk of accepting now 5")
+    assert estimate == in_a_line(without).partition(", at least")[0]
+    assert ["risk of accepting " in in_a_line(each) for each in found] == [True, True, False]
+    assert in_a_line(found[2]).startswith(f"not met: V50 of at least {bound + 400.0:g} m/s; risk of rejecting ")
     assert without.decision == ""
 
 
@@ -151,26 +158,18 @@ def test_no_probability_is_shown_that_is_not_reached(confidence: float):
     for probability in (confidence - 1e-6, confidence - 0.004, confidence - 0.006):
         shown = chance(probability).removeprefix("above ")
         assert float(shown.removesuffix(" %")) <= 100.0 * probability
-        assert "above" in shown or float(risk(probability).split()[-2]) + float(shown.removesuffix(" %")) == 100.0
     assert chance(0.29) == "29 %"
-    assert [chance(p) for p in (0.004, 0.999, None)] == ["below 1 %", "above 99 %", "unknown"]
-    assert [risk(p) for p in (0.004, 0.6139, 0.999)] == ["above 99 %", "39 %", "below 1 %"]
+    assert [chance(p) for p in (0.004, 0.999, None)] == ["below 1 %", "above 99 %", "not known"]
 
 
-def test_a_model_error_that_is_not_included_is_told():
-    shown = view.tables_of_uncertainty(uncertainty_result(known=False))
-    *_, error, alone = (item for item in shown if isinstance(item, str))
-    assert error == "model error: unknown for such an armour, or not included"
-    assert alone == SAMPLED_ALONE
-
-
-def test_where_a_probability_is_unknown_what_is_given_is_called_so():
-    unknown, known = (view.estimate_table(uncertainty_result(known=is_known)).texts() for is_known in (False, True))
-    assert unknown[0][:3] == ["probability of stopping the projectile", "%", "unknown"]
-    assert unknown[1][:3] == ["stopped by the given distributions alone", "%", "79.0"]
-    assert known[0][:3] == ["probability of stopping the projectile", "%", "79.0"]
-    assert unknown[2:] == known[1:]
-    assert ["90 % between", "m/s", "680 to 770", ""] in known
+def test_where_a_probability_is_not_known_what_is_given_is_called_so():
+    unknown, known = (uncertainty_result(known=is_known) for is_known in (False, True))
+    taken = "with the model taken as exact"
+    assert in_a_line(unknown) == f"not known: no test of such an armour is known; {taken} 79.0 %"
+    assert in_a_line(known) == "stops a shot with 79.0 % (± 1 by sampling)"
+    between = "90 % between 680 and 770 m/s"
+    assert facts(view.tables_of_uncertainty(known))["limit"] == f"720 m/s expected; {between}; 724 m/s by the model"
+    assert facts(view.tables_of_uncertainty(unknown))["limit"] == f"{between}; 724 m/s by the model"
 
 
 def test_parts_of_the_prior():

@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.reporting.table import csv_text
+from armour.reporting.by_result import in_a_line
+from armour.reporting.table import Table, csv_text
 from armour.reporting.views import validation as view
 from armour.reporting.views.validation import allowance_percent, check_table, figure_table, suite_junit
 from armour.validation.figures import Figure, FigureSection
@@ -28,11 +29,20 @@ def test_checks_of_several_quantities_have_units_of_their_own(folder: Path):
     assert table.texts()[1] == ["outcome", "", "perforated", "perforated", "", "", "", "within"]
 
 
+def test_a_suite_is_its_verdict_and_a_row_for_each_table(folder: Path):
+    near, slip = case("near", WILKINS_LIMIT, "band = 1.0"), case("slip", 1.0, 'not_scored = "a slip"')
+    found = result(folder, near + slip + TABLE)
+    line, overview, *_ = view.tables_of_suite(found)
+    assert line == "3 of 4 within their bands, 1 outside; 1 not scored (-v)"
+    assert isinstance(overview, Table)
+    assert [row[:2] for row in overview.texts()] == [["t", "2 of 2"], ["2 other cases", "1 of 1"]]
+    assert overview.texts()[0][3] == "5 m/s"
+    assert view.tables_of_suite(found.of(every_row=True))[0] == in_a_line(found)
+
+
 def test_deviations_too_small_to_mean_anything_have_no_digits(folder: Path):
-    near = case("near", WILKINS_LIMIT, "band = 1.0")
-    assert view.overview_table(result(folder, near)).texts()[0][-1] == "below 0.01 %"
-    far = case("far", 720.0, "band = 5.0")
-    assert view.overview_table(result(folder, near + far)).texts()[0][-1] == "0.525 %"
+    exact = TABLE.replace("720.0", f"{WILKINS_LIMIT}").replace("730.0", f"{WILKINS_LIMIT}")
+    assert view.overview_table(result(folder, exact)).texts()[0][2] == "below 0.01 m/s"
 
 
 def test_curves_as_a_file():
@@ -104,7 +114,7 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
     assert cases["cases", "in"].find("failure") is None
     assert cases["cases", "in"].get("time") == "0.250"
     rows = [name for group, name in cases if group == "t"]  # two rows of the same values are two test cases
-    assert rows == ["ceramic thickness 6.35 mm", "ceramic thickness 6.35 mm (2)", "RMS"]
+    assert rows == ["tile thickness 6.35 mm", "tile thickness 6.35 mm (2)", "RMS"]
     rms = cases["t", "RMS"].find("failure")
     assert rms is not None
     assert re.fullmatch(r"RMS \d+\.\d\d m/s, RMS band \S+ m/s", str(rms.get("message")))

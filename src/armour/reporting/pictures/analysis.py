@@ -18,7 +18,7 @@ from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import wrapped
 from armour.reporting.views.analysis import STAGES
-from armour.reporting.words import chance
+from armour.reporting.words import chance, said_of
 from armour.units import MM
 
 VELOCITY_LINES = {
@@ -54,11 +54,12 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     # Below 5 % of the impact velocity the projectile hardly moves; show 1.5 times the time until then.
     slow = history.time_us[history.velocity_m_s <= 0.05 * result.impact_velocity_m_s]
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
-    note = f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs." if shown < result.duration_us else ""
+    notes = [f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs."] if shown < result.duration_us else []
+    notes += _caveats(result)
     # A result that is made by hand has no scenario, and so no armour to draw.
     scene = _Scene(result, history) if "scenario" in result.question else None
     scenes = [] if scene is None else [scene.high_inches(sheet.width)]
-    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=note)
+    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=" ".join(notes))
     over_time = picture.axes[len(scenes) :]
     seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
@@ -75,6 +76,11 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     if scene is not None:
         scene.draw(picture.axes[0], PART * sheet.width)
     return picture
+
+
+def _caveats(result: ImpactResult | LimitResult) -> list[str]:
+    """Return the caveats of the model as sentences."""
+    return [f"{caveat[:1].upper()}{caveat[1:]}." for caveat in said_of(result.notes)]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
@@ -149,7 +155,7 @@ class _Scene:
         axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
         axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
         if self.ceramic:
-            axes.fill([], [], facecolor=CERAMIC_COLOUR, label="ceramic", **EDGE)
+            axes.fill([], [], facecolor=CERAMIC_COLOUR, label="tile", **EDGE)
         axes.fill([], [], facecolor=METAL_COLOUR, label="plate", **EDGE)
         axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
         axes.set_axis_off()
@@ -183,7 +189,7 @@ def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, st
     for stage, after in pairwise(result.stages):
         event = STAGES[after.stage].begins
         if after.stage in ("iii.1", "iii.2", "iii.3") and stage.stage[:3] != "iii":
-            event = "ceramic penetrated"
+            event = "tile penetrated"
         elif (stage.stage, after.stage) == ("ii.2", "ii.1"):
             event = "dwell ends"
         events.append((stage.end_us, event))
@@ -213,14 +219,15 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     impact = [point.impact_velocity_m_s for point in curve]
     reach = drawing.widened([impact[0], impact[-1], threat, *(ends or ())])
     residual_alone = error is None or ends is None
-    picture = sheet.panels(headline(result), *[drawing.PANEL] * (1 if residual_alone else 2), sharex=True)
+    heights = [drawing.PANEL] * (1 if residual_alone else 2)
+    picture = sheet.panels(headline(result), *heights, note=" ".join(_caveats(result)), sharex=True)
     if error is not None and ends is not None:
         stopping_axes, velocities = picture.axes[0], np.linspace(*reach, 200)
         probability = float(error.probability_of_stopping(limit, threat))
-        stopping_axes.set(ylabel="probability of stopping, %", ylim=(0.0, 102.0))
-        stopping_axes.axvspan(*ends, **drawing.SHADE, label="95 % interval")
+        stopping_axes.set(ylabel="stops a shot, %", ylim=(0.0, 102.0))
+        stopping_axes.axvspan(*ends, **drawing.SHADE, label="limit, 95 % between")
         stopping_axes.plot(velocities, 100.0 * error.probability_of_stopping(limit, velocities), color=drawing.BLUE)
-        stopping_axes.axvline(limit, linestyle=":", label=f"limit {limit:.0f} m/s", **drawing.RULE)
+        stopping_axes.axvline(limit, linestyle=":", label=f"limit by the model {limit:.0f} m/s", **drawing.RULE)
         stopping_axes.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION)
         label = f"{threat:g} m/s: {chance(probability)}"
         drawing.points(stopping_axes, [threat], [100.0 * probability], marker="D", color=drawing.VERMILION, label=label)
@@ -229,7 +236,7 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual.plot(impact, [point.residual_velocity_m_s for point in curve], color=drawing.BLUE, label="projectile")
     plug = [point.plug_velocity_m_s for point in curve]
     residual.plot(impact, plug, linestyle="--", color=drawing.GREEN, label="plug")
-    residual.axvline(limit, linestyle=":", label="ballistic limit" if residual_alone else "", **drawing.RULE)
+    residual.axvline(limit, linestyle=":", label="limit by the model" if residual_alone else "", **drawing.RULE)
     label = f"{threat:g} m/s" if residual_alone else ""
     residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)
     drawing.residual_axes(residual, reach)

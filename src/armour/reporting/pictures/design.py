@@ -8,16 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.design.catalogue import NO_BOUND, Catalogue, catalogue_of
+from armour.design.catalogue import CandidateDesigns, Catalogue, catalogue_of
 from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult
-from armour.evidence.tests import outside_tests
+from armour.design.requirements import EVEN
+from armour.evidence.tests import far_from_tests
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
-from armour.reporting.words import chance
+from armour.reporting.words import chance, said_of
 from armour.scenario.schema import OBJECTIVES
 
 # Largest numbers of pairs of materials that are drawn as points and as lines; number of nodes of a map along an axis.
@@ -26,8 +27,8 @@ MAX_PAIRS_DRAWN, MAX_LINES, MAP_NODES = 12, 6, 25
 USUAL_CHANCE = 0.95
 # Opacity of a tinted region.
 TINT = 0.14
-# Markers of designs inside and outside the tests.
-INSIDE_MARK, OUTSIDE_MARK = "o", "s"
+# Markers of designs whose probability of stopping a shot is known, and of those by the model.
+KNOWN_MARK, MODEL_MARK = "o", "s"
 
 
 class _Panel(NamedTuple):
@@ -51,7 +52,7 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     panels = [_Panel(1.6 * drawing.PANEL, "", maps[0].draw, maps[0].note())]
     panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
     panels += [_front_panel(result)] if result.pareto else []
-    notes = " ".join(filter(None, (panel.note for panel in panels)))
+    notes = " ".join(filter(None, (*(panel.note for panel in panels), *_caveats(result))))
     picture = sheet.panels(headline(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
@@ -67,13 +68,12 @@ def _maps(result: DesignResult) -> "tuple[str, list[_Map]]":
     catalogue = catalogue_of(drawing.recorded(result, "scenario"))
     names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
     best = names.index((result.shown.ceramic, result.shown.backing))
-    confidences = tuple(1.0 - bound if bound < NO_BOUND else None for bound in catalogue.bounds.tolist())
-    probabilities = tuple({1.0 - USUAL_CHANCE, USUAL_CHANCE, *filter(None, confidences)})
+    probabilities = tuple({1.0 - USUAL_CHANCE, EVEN, USUAL_CHANCE, *(1.0 - catalogue.bounds).tolist()})
 
     def pair_map(pair: int) -> _Map:
         layers = (np.array(layer.thicknesses()) for layer in catalogue.offers[pair][:2])
         grid = with_known_edges(catalogue, pair, *(_nodes(layer) for layer in layers))
-        return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities), confidences)
+        return _Map(result, catalogue, design_map(catalogue, pair, *grid, probabilities))
 
     is_single_by_pair = [tuple(len(layer.thicknesses()) == 1 for layer in offer[:2]) for offer in catalogue.offers]
     if not any(is_single_by_pair[best]):
@@ -93,71 +93,78 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     """Draw the ballistic limits of pairs of materials over the thickness of one layer, with a panel for each threat."""
     bands, notes = [], []
     if not all(np.isnan(pair_map.grid.stopped_m_s).all() for pair_map in maps):
-        bands.append("velocities that are stopped with 95 to 5 %")
+        bands.append("the velocities at which a shot is stopped with 95 to 5 %")
     if any(pair_map.over_sources is not None for pair_map in maps):
         bands.append("the limits with the flow stresses that sources give for untested ceramics")
     if bands:
         notes.append(f"Bands show {' or '.join(bands)}.")
-    if any(pair_map.is_outside(threat).any() for pair_map in maps for threat in range(len(result.threats))):
-        notes.append("Dashed lines are outside the tests.")
-    note = " ".join(notes)
+    if any(pair_map.is_far.any() for pair_map in maps):
+        notes.append("Dashed lines are far from the tests.")
+    note = " ".join([*notes, *_caveats(result)])
     picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, maps[0].catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
         thickness, grid = getattr(result.shown, f"{layer}_thickness_mm"), maps[0].grid
-        limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), grid.limits_m_s[..., place].ravel())
+        limit = np.interp(thickness, getattr(grid, f"{layer}_mm"), maps[0].shown_m_s[..., place].ravel())
         maps[0].draw_best(axes, result.shown, thickness, limit)
         axes.axhline(threat.required_m_s, linestyle="--", label=f"{threat.required_m_s:g} m/s required", **drawing.RULE)
-        axes.set(title=result.threats[place], ylabel=in_words("ballistic_limit_m_s"))
+        known = not np.isnan(maps[0].grid.by_tests_m_s).all()
+        axes.set(title=result.threats[place], ylabel=f"{'expected limit' if known else 'limit by the model'}, m/s")
     picture.axes[-1].set_xlabel(in_words(f"armour.{layer}_thickness_mm"))
     return picture
 
 
 @dataclass(frozen=True)
 class _Map:
-    """A map of the designs of a pair of materials.
-
-    `confidences` has the required probability of stopping each threat, None where none is required.
-    """
+    """A map of the designs of a pair of materials."""
 
     result: DesignResult
     catalogue: Catalogue
     grid: DesignMap
-    confidences: tuple[float | None, ...]
 
-    def required(self) -> tuple[Any, str]:
-        """Return how far each design exceeds what is required, m/s, (ceramics, back plates), and what is, in words.
+    @property
+    def shown_m_s(self) -> Any:
+        """The expected limits or, where no tests tell, those by the model, m/s, (ceramics, back plates, threats)."""
+        expected = self.grid.by_tests_m_s[..., self.grid.probabilities.index(EVEN)]
+        return np.where(np.isnan(expected), self.grid.limits_m_s, expected)
 
-        The threat with the least excess counts; NaN where the probability of stopping it is not known.
+    def required(self) -> tuple[Any, Any, str]:
+        """Return how far each design exceeds what is required, m/s, whether that is stated, and what is, in words.
+
+        Both are arrays, (ceramics, back plates).  The threat with the least excess counts.  A probability is not stated
+        where it is not known, or greater than that so far from the tests.  If none is known or required, the model
+        tells.
         """
         margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
-        excess_m_s = self.grid.limits_m_s - velocities_m_s - margins_m_s
-        for threat, confidence in enumerate(self.confidences):
-            if confidence is not None:
-                stopped_m_s = self.grid.stopped_with(confidence)[..., threat] - velocities_m_s[threat]
-                by_model_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf
-                excess_m_s[..., threat] = np.minimum(stopped_m_s, by_model_m_s)
-        margin, confidence = bool(margins_m_s.any()), self.confidences[0]
-        if not any(self.confidences):
-            words = f"ballistic limit by the model ≥ velocity{' + margin' * margin}"
-        elif confidence is None or margin or len({*self.confidences}) > 1:
-            words = "meets the requirements"
-        else:
-            words = f"stopped in {percent(confidence)} of cases or more"
-        return excess_m_s.min(axis=-1), words
+        excess_m_s = self.shown_m_s - velocities_m_s - margins_m_s
+        asked, known = (
+            [1.0 - bound for bound in self.catalogue.bounds.tolist()],
+            ~np.isnan(self.grid.by_tests_m_s[..., 0]),
+        )
+        for threat in np.flatnonzero(self.catalogue.required):
+            by_tests_m_s = self.grid.by_tests_m_s[..., threat, self.grid.probabilities.index(asked[threat])]
+            by_limit_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf
+            by_tests_m_s = np.minimum(by_tests_m_s - velocities_m_s[threat], by_limit_m_s)
+            excess_m_s[..., threat] = np.where(known[..., threat], by_tests_m_s, excess_m_s[..., threat])
+        by_model = not (known.any() or self.catalogue.required.any())
+        is_stated = ((known & (self.grid.greatest >= asked)) | by_model).all(axis=-1)
+        words = "stopped by the model" if by_model else f"stops a shot with {percent(asked[0])} or more"
+        if margins_m_s.any() or len({*asked}) > 1:
+            words = "does what is required"
+        return excess_m_s.min(axis=-1), is_stated, words
 
     def draw(self, axes: Axes) -> None:
         """Draw the line of what is required, lines of the objective, and the best design."""
         x, y = self.grid.backing_mm, self.grid.ceramic_mm
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
-        excess_m_s, words = self.required()
-        unknown = np.isnan(excess_m_s)
-        if not unknown.all():
-            _tint(axes, x, y, excess_m_s, words, drawing.BLUE)
-            drawing.contours(axes, x, y, excess_m_s, [0.0], linewidth=1.9, color=drawing.BLUE)
-            _tint(axes, x, y, np.where(unknown, 1.0, -1.0), "probability unknown: too unlike tests", drawing.SOFT)
+        excess_m_s, is_stated, words = self.required()
+        stated_m_s = np.where(is_stated, excess_m_s, np.nan)
+        if is_stated.any():
+            _tint(axes, x, y, stated_m_s, words, drawing.BLUE)
+            drawing.contours(axes, x, y, stated_m_s, [0.0], linewidth=1.9, color=drawing.BLUE)
+        _tint(axes, x, y, np.where(is_stated, np.minimum(excess_m_s, -1e-3), excess_m_s), "not known", drawing.SOFT)
         objective = self.catalogue.objective(self.grid.candidates).reshape(len(y), len(x))
         label = f"equal {view.OBJECTIVE_WORDS[self.result.minimised].heading}"
         drawing.contours(axes, x, y, objective, 5, at=-0.55, label=label, linestyle=":", color=drawing.SOFT)
@@ -168,7 +175,7 @@ class _Map:
         """Draw the best or nearest design at a place of the panel."""
         look: Any = {"markersize": 9.0, "color": drawing.VERMILION if self.result.reason else drawing.INK}
         text = _design_text(best, self.result.minimised)
-        drawing.points(axes, [x], [y], [text], label=f"{'nearest' if self.result.reason else 'best'}: {text}", **look)
+        drawing.points(axes, [x], [y], [text], label=f"{_best_words(self.result)}: {text}", **look)
 
     @cached_property
     def over_sources(self) -> Any:
@@ -196,7 +203,7 @@ class _Map:
         Bands show the limits over the sources of the flow stress, and the model error.
         """
         x = getattr(self.grid, f"{layer}_mm")
-        limits = self.grid.limits_m_s[..., threat].ravel()
+        limits = self.shown_m_s[..., threat].ravel()
         by_source = None if self.over_sources is None else self.over_sources[..., threat].reshape(-1, len(x))
         if by_source is not None and len(by_source) > 1:
             axes.fill_between(x, by_source[0], by_source[-1], color=colour, **drawing.BAND)
@@ -206,22 +213,34 @@ class _Map:
                 x, low_m_s[..., threat].ravel(), high_m_s[..., threat].ravel(), color=colour, **drawing.BAND
             )
         label = drawing.legible(self.name(layer))
-        drawing.curve(axes, x, limits, self.is_outside(threat), color=colour, label=label)
+        drawing.curve(axes, x, limits, self.is_far[:, threat], color=colour, label=label)
 
-    def is_outside(self, threat: int) -> Any:
-        """Return whether each design of the map lies outside the tests against a threat, (designs,)."""
-        rows = self.catalogue.against_each(self.grid.candidates)
-        rows = rows.at(np.arange(threat, len(rows.velocities), len(self.catalogue.threats)))
-        return np.array([bool(outside) for outside in outside_tests(rows.armours, rows.velocities)])
+    @cached_property
+    def is_far(self) -> Any:
+        """Whether each design of the map is far from the tests against each threat, (designs, threats)."""
+        return _is_far(self.catalogue, self.grid.candidates)
 
     def note(self) -> str:
         """Return a note on what the line of a required probability includes."""
-        if not any(self.confidences):
+        if not self.catalogue.required.any():
             return ""
         if np.isnan(self.grid.stopped_m_s).all():
             return "No probability is known for these designs."
         line = "The line includes the model error only, not the distributions of the inputs."
         return line if self.catalogue.sampled else ""
+
+
+def _is_far(catalogue: Catalogue, designs: CandidateDesigns) -> Any:
+    """Return whether each design of a pair of materials is far from the tests, (designs, threats)."""
+    count, rows = len(catalogue.threats), catalogue.against_each(designs)
+    against = [catalogue.against(int(designs.pair[0]), threat) for threat in range(count)]
+    far = [bool(far_from_tests(against[row % count], rows.armours.at([row]))) for row in range(len(rows.velocities))]
+    return np.reshape(far, (-1, count))
+
+
+def _best_words(result: DesignResult) -> str:
+    """Return what the design shown is, as the answer calls it, such as "lightest by the model"."""
+    return view.found_in_a_line(result).partition(":")[0]
 
 
 def _tint(axes: Axes, x: Any, y: Any, values: Any, label: str, colour: str) -> None:
@@ -240,13 +259,18 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
     def draw_pairs(axes: Axes) -> None:
         drawing.name_rows(axes, names)
-        looks = {True: "", False: "outside the tests", None: "outside the tests, and no probability is known"}
-        inside_tests = [not each.outside_tests if each.model_error is not None else None for each in shown]
-        for inside, label in looks.items():
-            places = [place for place, each in enumerate(inside_tests) if each is inside]
+        looks = [
+            (each.model_error is None, any(threat.far_from_tests for threat in each.check.threats)) for each in shown
+        ]
+        for look in dict.fromkeys(looks):
+            places = [place for place, each in enumerate(looks) if each == look]
             values = [getattr(shown[place], result.minimised) for place in places]
-            look: Any = {"filled": inside, "label": label, "markersize": 6.0, "color": drawing.BLUE}
-            drawing.points(axes, values, places, **look, marker=OUTSIDE_MARK if inside is None else INSIDE_MARK)
+            by_model, is_far = look
+            label = ", ".join(["by the model"] * by_model + ["far from the tests"] * is_far)
+            mark = MODEL_MARK if by_model else KNOWN_MARK
+            drawing.points(
+                axes, values, places, filled=not is_far, label=label, marker=mark, markersize=6.0, color=drawing.BLUE
+            )
         axes.set_xlabel(view.OBJECTIVE_WORDS[result.minimised].heading)
 
     notes = [f"The best {MAX_PAIRS_DRAWN} of {len(best)} pairs of materials are shown."] * (len(best) > MAX_PAIRS_DRAWN)
@@ -257,7 +281,14 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
 def _front_panel(result: DesignResult) -> _Panel:
     """Return the panel with the Pareto front over its first two criteria, with a series for each pair of materials."""
-    keys = result.criteria[:2]
+    keys, catalogue = result.criteria[:2], catalogue_of(drawing.recorded(result, "scenario"))
+    names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
+
+    def is_far(design: Design) -> bool:
+        thicknesses = np.array([[design.ceramic_thickness_mm], [design.backing_thickness_mm]])
+        return bool(
+            _is_far(catalogue, catalogue.candidates(names.index((design.ceramic, design.backing)), *thicknesses)).any()
+        )
 
     def draw_designs(axes: Axes, designs: Sequence[Design], name: str, **look: Any) -> None:
         x, y = ([getattr(design, key) for design in designs] for key in keys)
@@ -266,11 +297,10 @@ def _front_panel(result: DesignResult) -> _Panel:
 
     def draw_all(axes: Axes) -> None:
         for index, (name, designs) in enumerate(grouped(result.pareto, view.pair_words).items()):
-            for outside, some in grouped(designs, lambda design: bool(design.outside_tests)).items():
-                label = name + " (outside the tests)" * outside
-                draw_designs(axes, some, label, filled=not outside, **drawing.look_of(index))
+            for far, some in grouped(designs, is_far).items():
+                draw_designs(axes, some, name + " (far from the tests)" * far, filled=not far, **drawing.look_of(index))
         shown = [each for each in result.pareto if view.layers_of(each) == view.layers_of(result.shown)]
-        draw_designs(axes, shown, "nearest" if result.reason else "best", markersize=3.0, color=drawing.INK)
+        draw_designs(axes, shown, _best_words(result), markersize=3.0, color=drawing.INK)
         axes.set(xlabel=view.OBJECTIVE_WORDS[keys[0]].heading, ylabel=view.OBJECTIVE_WORDS[keys[1]].heading)
 
     notes = []
@@ -289,26 +319,35 @@ def _design_text(design: Design, *criteria: str) -> str:
     return ", ".join([f"{design.ceramic_thickness_mm:.4g} on {design.backing_thickness_mm:.4g} mm", *values])
 
 
+def _caveats(result: CheckResult | DesignResult) -> list[str]:
+    """Return sentences with the caveats of the model."""
+    return [f"{words[:1].upper()}{words[1:]}." for words in said_of(result.notes)]
+
+
 @draw.register
 def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the ballistic limits in a panel for each threat, with a row for the armour as given and for each change."""
     by_threat = [(threat.as_given(), *threat.what_ifs) for threat in result.threats]
     names = [[f"{row.change}: {chance(row.probability_of_stopping)}" for row in what_ifs] for what_ifs in by_threat]
     heights = [drawing.rows_height(changes, titled=True) for changes in names]
-    note = "Percentages: probability that the armour stops the projectile."
+    note = " ".join(["Percentages: probability that the armour stops a shot.", *_caveats(result)])
     picture = sheet.panels(headline(result), *heights, note=note)
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
         places = range(len(changes))
-        limits = np.array([row.ballistic_limit_m_s for row in what_ifs], float)
+        shown = [
+            row.ballistic_limit_m_s if row.expected_limit_m_s is None else row.expected_limit_m_s for row in what_ifs
+        ]
+        limits = np.array(shown, float)
         # An unknown interval is drawn as the limit alone.
         ends = [row.interval_m_s or (limit, limit) for row, limit in zip(what_ifs, limits, strict=True)]
         drawing.ranges(axes, places, ends, drawing.BLUE)
-        label = f"ballistic limit{', 95 % interval' * any(row.interval_m_s for row in what_ifs)}" if last else ""
+        is_known = any(row.interval_m_s for row in what_ifs)
+        label = ("expected limit, 95 % interval" if is_known else "limit by the model") if last else ""
         drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
         velocities = [row.velocity_m_s for row in what_ifs]
         label = "velocity of the round" if last else ""
         drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
-        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.VERDICTS[threat.verdict]}")
+        axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict_word(threat.verdict)}")
     return picture

@@ -109,17 +109,15 @@ class Sheet:
         return Picture(panels.ravel().tolist(), title, note)
 
 
-def drawn(
-    draw: Callable[[Sheet], Picture], sheet: Sheet, heading: Sequence[str] = (), title: str | None = None
-) -> Picture:
+def drawn(draw: Callable[[Sheet], Picture], sheet: Sheet, subject: str = "", title: str | None = None) -> Picture:
     """Draw a picture by `draw`, and add its title, subject, note and legends.
 
-    The subject is the first line of `heading`.  `title` replaces the picture's title and the subject; an empty one
-    leaves out title, subject and note.  A picture in a user's axes has neither subject nor note.
+    `title` replaces the picture's title and the subject, which is what was drawn; an empty one leaves out title,
+    subject and note.  A picture in a user's axes has neither subject nor note.
     """
     with mpl.rc_context(SETTINGS if sheet.ax is None else STYLE):
         picture = draw(sheet)
-        lines = [picture.title, *heading[:1]] if title is None else [title]
+        lines = [picture.title, subject] if title is None else [title]
         for text in (text for axes in picture.axes for text in axes.findobj(Text)):
             text.set_text(printable_lines(text.get_text()))
         if sheet.ax is not None:

@@ -26,7 +26,7 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
         return picture
     x = plan.curve.velocity_m_s
     last.set(xlabel=in_words(VELOCITY), xlim=(x[0], x[-1]))
-    last.set(ylabel="probability of complete penetration", ylim=(-0.05, 1.05))
+    last.set(ylabel="part of shots that perforate", ylim=(-0.05, 1.05))
     label = "by the posterior" if plan.fired.complete else "by the prior"
     last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
     draw_shots(last, plan.fired)

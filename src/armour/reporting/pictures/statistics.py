@@ -10,7 +10,7 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, deviation_percent, grouped, in_words, interval, percent
-from armour.reporting.views.statistics import MEANS, velocity_name
+from armour.reporting.views.statistics import MEANS, at_one_level, velocity_name
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve, ShotLikelihood
@@ -22,48 +22,48 @@ from armour.statistics.v50 import FiringResult, Shots
 
 # Kinds of shots: label, whether the penetration is complete, colour and marker.
 PENETRATIONS = (
-    ("partial penetration", False, drawing.GREEN, "o"),
-    ("complete penetration", True, drawing.VERMILION, "^"),
+    ("stopped", False, drawing.GREEN, "o"),
+    ("perforated", True, drawing.VERMILION, "^"),
 )
-# The velocity axis shows the curve from this probability of perforation to 1 minus it.
+# The velocity axis shows the curve from this probability to 1 minus it.
 SHOWN_PROBABILITY = 0.002
 # What is drawn where the probability is not known.
-ALONE = "perforated by the given distributions alone"
+ALONE = "stopped, with the model taken as exact"
 
 
 @draw.register
 def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of perforation over velocity, and the ballistic limits at two quantiles of each input."""
+    """Draw the probability of stopping a shot over velocity, and the limits at two quantiles of each input."""
     curve, level = result.curve, percent(result.confidence)
     p, shares = result.probability_of_perforation or result.perforated_by_distributions, curve.probability
     assert p is not None
     velocity = drawing.recorded(result, "scenario").impact.velocity_m_s
     names = [Column.of(each.input).label for each in result.inputs]
-    note = f"{level} intervals by sampling: {p.low:.3f} to {p.high:.3f} at {velocity:g} m/s; the band for the curve."
+    ends = f"{1.0 - p.high:.3f} to {1.0 - p.low:.3f}"
+    note = f"{level} intervals by sampling: {ends} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
-    axes.set(ylabel="probability of perforation" if shares else ALONE, ylim=(0.0, 1.0))
-    shares = shares or curve.by_distributions or ()
-    axes.fill_between(curve.velocity_m_s, curve.low, curve.high, color=drawing.BLUE, **drawing.BAND)
-    axes.plot(curve.velocity_m_s, shares, color=drawing.BLUE)
-    limits = {"nominal ballistic limit": result.deterministic_m_s}
-    quantiles = {f"limit's {100 * float(key):g} % quantile": each for key, each in result.limit_quantiles_m_s.items()}
+    axes.set(ylabel="stops a shot" if shares else ALONE, ylim=(0.0, 1.0))
+    stops, below, above = (1.0 - np.array(ends) for ends in (shares or curve.by_distributions, curve.high, curve.low))
+    axes.fill_between(curve.velocity_m_s, below, above, color=drawing.BLUE, **drawing.BAND)
+    axes.plot(curve.velocity_m_s, stops, color=drawing.BLUE)
+    limits = {"limit by the model": result.deterministic_m_s}
+    quantiles = {f"limit, {100 * float(key):g} % below": each for key, each in result.limit_quantiles_m_s.items()}
     limits |= {name: each.value for name, each in quantiles.items()}
     for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
         colour = drawing.SOFT if name in quantiles else drawing.INK
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
-    interval = [[p.value - p.low], [p.high - p.value]]
-    axes.errorbar([velocity], [p.value], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
-    drawing.points(axes, [velocity], [p.value], color=drawing.VERMILION, label=f"{p.value:.3f} at {velocity:g} m/s")
+    interval, stopped = [[p.high - p.value], [p.value - p.low]], 1.0 - p.value
+    axes.errorbar([velocity], [stopped], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
+    drawing.points(axes, [velocity], [stopped], color=drawing.VERMILION, label=f"{stopped:.3f} at {velocity:g} m/s")
     if names:
         low, high = zip(*(each.limits_m_s for each in result.inputs), strict=True)
         swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
-    probability = np.array(shares)
-    rising = (probability > SHOWN_PROBABILITY) & (probability < 1.0 - SHOWN_PROBABILITY)
-    uncertain = np.array(curve.velocity_m_s)[rising].tolist()
+    falling = (stops > SHOWN_PROBABILITY) & (stops < 1.0 - SHOWN_PROBABILITY)
+    uncertain = np.array(curve.velocity_m_s)[falling].tolist()
     changed = [limit for each in result.inputs for limit in each.limits_m_s]
     picture.axes[-1].set(
         xlabel="velocity, m/s", xlim=drawing.widened([velocity, *limits.values(), *uncertain, *changed])
@@ -168,7 +168,7 @@ POSTERIOR = 0.4
 
 @draw.register
 def draw_firing(result: FiringResult, sheet: drawing.Sheet, *, alone: bool = False) -> drawing.Picture:
-    """Draw the probability of complete penetration over velocity, the region of V50 and scatter, and the shots.
+    """Draw the part of shots that perforate over velocity, the region of V50 and scatter, and the shots.
 
     With `alone`, only the first of these.
     """
@@ -190,12 +190,12 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet, *, alone: bool = Fal
         posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
         notes.append(f"Posterior, with the model as prior: {level} interval {posterior_ends} m/s.")
     if model is not None and not low <= model <= high:
-        notes.append(f"The model's ballistic limit, {model:.1f} m/s, lies outside the axis.")
+        notes.append(f"The limit by the model, {model:.1f} m/s, lies outside the axis.")
     if (required := result.requirement_m_s) is not None and not low <= required <= high:
         notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
-    picture = sheet.panels(headline(result), *panels, note=" ".join(notes))
+    picture = sheet.panels(at_one_level(result), *panels, note=" ".join(notes))
     axes = picture.axes[0]
-    axes.set(xlabel=in_words(VELOCITY), ylabel="probability of complete penetration")
+    axes.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
     x = np.linspace(low, high, 400).tolist()
     if fit is result.recommended:
@@ -216,7 +216,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet, *, alone: bool = Fal
         drawing.velocity_line(axes, result.mean.v50_m_s, drawing.SOFT, "-", MEANS[result.mean.rule])
     name = f"{result.decision}: {velocity_name(result.requirement_fraction)} required"
     drawing.velocity_line(axes, required, drawing.VERMILION, "--", name)
-    drawing.velocity_line(axes, model, drawing.INK, ":", "limit by this model")
+    drawing.velocity_line(axes, model, drawing.INK, ":", "limit by the model")
     if len(panels) > 1:
         _draw_region(picture.axes[1], fit, shots, result.confidence, (low, high))
         _draw_order(picture.axes[2], shots, None if ends == (None, None) else ends)
@@ -260,7 +260,7 @@ def _draw_order(axes: Axes, shots: Shots, ends: tuple[float | None, float | None
 
 
 def draw_shots(axes: Axes, shots: Shots) -> None:
-    """Draw the shots over velocity: partial penetrations at probability 0, complete ones at 1."""
+    """Draw the shots over velocity: those stopped at 0, those that perforated at 1."""
     for kind, complete, colour, marker in PENETRATIONS:
         if velocities := shots.of(complete=complete):
             drawing.points(axes, velocities, [complete] * len(velocities), marker=marker, label=kind, color=colour)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
-from armour.reporting.by_result import draw
+from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
 from armour.reporting.views.validation import drawn_checks, limits_by_formulas
@@ -96,13 +96,12 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
     limits = limits_by_formulas(result)
     drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
     beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
-    title = f"Ballistic limit {result.limit.ballistic_limit_m_s:.0f} m/s by this model"
-    if velocities := [velocity for _, velocity in limits]:
-        title += f", {min(velocities):.0f} to {max(velocities):.0f} m/s by formulas"
-    picture = sheet.panels(title, 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else "")
+    picture = sheet.panels(
+        headline(result), 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else ""
+    )
     [axes] = picture.axes
     residual = [point.residual_velocity_m_s for point in result.curve]
-    axes.plot(impact, residual, color=drawing.COLOURS[0], label="this model")
+    axes.plot(impact, residual, color=drawing.COLOURS[0], label="the model")
     for (name, velocity), style in zip(drawn, drawing.STYLES[1:], strict=False):
         axes.axvline(velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE)
     drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))

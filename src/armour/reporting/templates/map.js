@@ -1,17 +1,17 @@
 "use strict";
 // Answers are for thicknesses on offer; lines between them are interpolated.
 const DATA = JSON.parse(document.getElementById("data").textContent);
-const { threats, scores } = DATA, T = threats.length, Q = scores.length;
-const margins = threats.some(t => t.margin);
+const { threats } = DATA, T = threats.length, Q = DATA.probabilities.length;
+const [FAILS, PERFORATED, NOT_KNOWN, STOPPED, EXPECTED, PASSES] = DATA.verdicts.keys();
 const mark = t => (t + 10).toString(36).toUpperCase();
-const { abs, floor, max, min, round } = Math;
+const { abs, ceil, floor, max, min, round } = Math;
 const $ = id => document.getElementById(id);
 
 // --- numbers
 
 const bytes = text => Uint8Array.from(atob(text), each => each.charCodeAt(0)).buffer;
 
-// Ballistic limits, stopped velocities, by score (NaN: unknown), and the greatest scores that are stated.
+// Limits by the model, stopped velocities, by score (NaN: not known), and the greatest scores that are stated.
 function decoded(pair) {
   const floats = new Float32Array(bytes(pair.floats)), differences = new Uint16Array(bytes(pair.differences));
   const m = pair.backings.length, count = pair.ceramics.length * m;
@@ -29,14 +29,16 @@ function decoded(pair) {
   }
   pair.areal = Float64Array.from({ length: count }, (_, k) =>
     (pair.densities[0] * pair.ceramics[floor(k / m)] + pair.densities[1] * pair.backings[k % m]) / 1000 + DATA.added.areal);
-  const excluded = new Set(pair.excluded), rank = pair.areal.map(each => round(each * 1e9));
+  pair.excluded = new Set(pair.excluded);
+  const rank = pair.areal.map(each => round(each * 1e9));
   pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
   // Sort by areal density; equals keep their order.
-  pair.designs = pair.onOffer.filter(k => !excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
+  pair.designs = pair.onOffer.filter(k => !pair.excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
   pair.said = pair.untested ? `${pair.ceramic} (untested)` : pair.ceramic;
   pair.name = pair.ceramic ? `${pair.said} on ${pair.backing}` : pair.backing;
-  pair.unknown = Uint8Array.from(pair.areal, (_, k) => threats.some((_, t) => isNaN(pair.stops[(k * T + t) * Q])));
+  pair.unknown = Uint8Array.from(pair.areal, (_, k) => +threats.some((_, t) => !tells(pair, k, t)));
   pair.known = pair.unknown.includes(0);
+  pair.asked = {};
 }
 
 // Probability below a normal score (Abramowitz and Stegun 26.2.17), and its inverse.
@@ -50,6 +52,8 @@ function scoreOf(probability) {
   for (let n = 0; n < 50; n++) if (below((low + high) / 2) < probability) low = (low + high) / 2; else high = (low + high) / 2;
   return high;
 }
+
+const scores = DATA.probabilities.map(scoreOf), EVEN = DATA.probabilities.indexOf(0.5);
 
 // Slope of the score over the velocity at a node: monotone cubic interpolation (Fritsch and Butland).
 function slope(V, o, q) {
@@ -76,8 +80,6 @@ function byTests(pair, d, v) {
   const h = V[o + q + 1] - V[o + q];
   return hermite(scores[q], scores[q + 1], slope(V, o, q) * h, slope(V, o, q + 1) * h, (v - V[o + q]) / h);
 }
-// The score that is stated: at most the greatest.
-const score = (pair, d, v) => min(byTests(pair, d, v), pair.most[d]);
 // Velocity that a design stops with a score by the tests.
 function stopped(pair, d, z) {
   const V = pair.stops, o = d * Q;
@@ -96,75 +98,87 @@ function stopped(pair, d, z) {
 // --- what is asked
 
 const state = {
-  pair: 0, confidence: DATA.confidence ? 100 * DATA.confidence : null, velocities: threats.map(t => t.velocity),
+  pair: 0, probability: DATA.probability ? 100 * DATA.probability : null, velocities: threats.map(t => t.velocity),
   most: DATA.most ?? Infinity, lines: "0", tests: true, cursor: null, pins: [],
 };
 const on = (element, type, act) => element.addEventListener(type, act);
 const current = () => DATA.pairs[state.pair];
-// Required score against each threat; null: none.
-const confidences = () => threats.map(t => t.own ?? (state.confidence === null ? null : state.confidence / 100));
-const wanted = () => confidences().map(c => c && scoreOf(c));
-const required = t => state.velocities[t] + threats[t].margin;
-const anyAsked = () => wanted().some(z => z !== null);
+// Required probability against each threat, and its score; null: none.
+const required = () => threats.map(t => t.own ?? (state.probability === null ? null : state.probability / 100));
+const wanted = () => required().map(p => p && scoreOf(p));
+const anyAsked = () => required().some(p => p !== null);
+const none = threats.map(() => null), margins = threats.some(t => t.margin);
 
-// Velocities that designs stop with a score, NaN where it is not stated; the last are kept.
-function sure(pair, t, z) {
-  const of = (pair.sure ??= {}), key = [t, z === 0];
-  if (of[key]?.z !== z) of[key] = { z, values: pair.areal.map((_, k) => (pair.most[k * T + t] < z - 1e-6 ? NaN : stopped(pair, k * T + t, z))) };
-  return of[key].values;
-}
-const scored = (pair, k, t) => score(pair, k * T + t, state.velocities[t]);
+// Whether tests tell how likely a design is to stop a shot; if so, the score that is stated, else NaN.
+const tells = (pair, k, t) => !isNaN(pair.stops[(k * T + t) * Q]);
 const isKnown = (pair, k) => !pair.unknown[k];
+const scored = (pair, k, t) => min(byTests(pair, k * T + t, state.velocities[t]), pair.most[k * T + t]);
+// Limit of a design: the expected one or, where no tests tell, that by the model.
+const limit = (pair, k, t) => (tells(pair, k, t) ? pair.stops[(k * T + t) * Q + EVEN] : pair.limits[k * T + t]);
+const tile = (pair, k) => thicknesses(pair, k)[0];
+const testsOf = (pair, k) => pair.tested[+(tile(pair, k) > 0)];
 const light = (pair, k) => pair.areal[k] <= state.most + 1e-9;
-// 32-bit floats are right to 1e-4 m/s.
-const stops = (pair, k, t, z, by = score) =>
-  (!limited(t, z) || pair.limits[k * T + t] >= required(t) - 1e-4) && (z === null || by(pair, k * T + t, state.velocities[t]) >= z - 1e-6);
-// Whether the limit by the model decides: if a margin or no probability is required.
-const limited = (t, z) => z === null || threats[t].margin > 0;
 
-// Lightest design that meets what is asked, of known probability if possible.
-function lightest(pair, asked = wanted()) {
-  const key = [asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
+// Greatest velocities at which designs do what is required of them; the last are kept.
+function speeds(pair, t, z) {
+  const key = [t, z === null];
+  if (pair.asked[key]?.z !== z) {
+    const { margin } = threats[t], values = pair.areal.map((_, k) => {
+      const byLimit = limit(pair, k, t) - margin;
+      return z === null || !tells(pair, k, t) ? byLimit : min(stopped(pair, k * T + t, z), margin ? byLimit : Infinity);
+    });
+    pair.asked[key] = { z, values };
+  }
+  return pair.asked[key].values;
+}
+// Level of a design in a search: 1 fails, 2 rests on one source, 3 is not known or not stated, 4 holds; 0 is no metal.
+const states = (pair, k, t, z) => (tells(pair, k, t) ? pair.most[k * T + t] >= (z ?? 0) - 1e-6 : z === null);
+function level(pair, k, t, z) {
+  // 32-bit floats are right to 1e-4 m/s.
+  const reaches = speeds(pair, t, z)[k] >= state.velocities[t] - 1e-4;
+  return min(testsOf(pair, k).level, !reaches ? 1 : tells(pair, k, t) && states(pair, k, t, z) ? 4 : 3);
+}
+const leastLevel = (pair, k, asked) => min(...asked.map((z, t) => level(pair, k, t, z)));
+const tooLow = (pair, k, t) => !tells(pair, k, t) && pair.low[t] && !tile(pair, k);
+// Verdict on a design against a threat, as check gives it.
+function verdict(pair, k, t, z = wanted()[t]) {
+  if (testsOf(pair, k).unsound) return NOT_KNOWN;
+  const fails = z === null && !threats[t].margin && !tells(pair, k, t) ? PERFORATED : FAILS;
+  if (level(pair, k, t, z) === 1) return tooLow(pair, k, t) ? NOT_KNOWN : fails;
+  if (!states(pair, k, t, z)) return NOT_KNOWN;
+  return z !== null ? PASSES : tells(pair, k, t) ? EXPECTED : STOPPED;
+}
+const judged = (pair, k) => min(light(pair, k) && !pair.excluded.has(k) ? PASSES : FAILS, ...wanted().map((z, t) => verdict(pair, k, t, z)));
+const isGood = (pair, k) => judged(pair, k) >= STOPPED;
+
+// Lightest design of at least a level, of known probability if possible.
+function lightest(pair, least, asked = wanted()) {
+  const key = [least, asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
   if (!found.has(key)) {
-    if (found.size > 9) found.clear();
-    let other = null, known = null;
-    for (const k of pair.designs) {
-      if (!light(pair, k)) break;
-      if (!asked.every((z, t) => stops(pair, k, t, z))) continue;
-      if (isKnown(pair, k)) {
-        known = k;
-        break;
-      }
-      other ??= k;
-    }
-    found.set(key, known ?? other);
+    if (found.size > 19) found.clear();
+    const fits = k => light(pair, k) && leastLevel(pair, k, asked) >= least;
+    found.set(key, pair.designs.find(k => isKnown(pair, k) && fits(k)) ?? pair.designs.find(fits) ?? null);
   }
   return found.get(key);
 }
-// Design of a pair to show: the lightest known to meet what is asked; else the lightest by the computed limit; else the
-// nearest.
+// Design of a pair to show, as optimise does: the lightest of the highest level or, if all fail, the nearest.
 function answer(pair) {
-  const best = pair.single || DATA.interlayer ? null : lightest(pair);
-  if (best !== null) return { k: best, reason: "" };
-  const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
-  const reach = within.filter(k => asked.every((z, t) => stops(pair, k, t, isNaN(scored(pair, k, t)) ? null : z, byTests)));
-  const reaches = reach.find(k => isKnown(pair, k)) ?? reach[0];
-  if (pair.unlike && within.length) return { k: within[0], reason: "no metal" };
-  if (reaches !== undefined) return { k: reaches, reason: pair.single ? "single" : "not known" };
-  let nearest = null, least = Infinity;
-  for (const k of within.length ? within : pair.designs.slice(0, 1)) {
-    const lacks = max(...threats.map((_, t) => lack(pair, k, t)));
-    if (lacks < least) [nearest, least] = [k, lacks];
+  for (const level of [4, 3, 2]) {
+    const found = lightest(pair, level);
+    if (found !== null) return { k: found, level, lack: 0 };
   }
-  const low = within.length && threats.every((_, t) => pair.low[t] || lack(pair, nearest, t) <= 0);
-  return { k: nearest, reason: low ? "low limit" : "none passes" };
+  const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
+  let k = null, lack = Infinity;
+  for (const each of within.length ? within : pair.designs.slice(0, 1)) {
+    const lacks = asked.map((z, t) => state.velocities[t] - speeds(pair, t, z)[each]);
+    // One of which it is not known that it fails comes first; last of these, without a metal.
+    const by = testsOf(pair, each).level ? max(...lacks) - 1e6 * lacks.every((by, t) => by <= 0 || tooLow(pair, each, t)) : -1e5;
+    if (by < lack) [k, lack] = [each, by];
+  }
+  return { k, level: 1, lack };
 }
-// Shortfall of the limit from the required one, m/s.
-function lack(pair, k, t) {
-  const d = k * T + t, z = isNaN(scored(pair, k, t)) ? null : wanted()[t], sure = z === null ? Infinity : stopped(pair, d, z);
-  return max(limited(t, z) ? required(t) - pair.limits[d] : -Infinity, state.velocities[t] - sure);
-}
-const even = pair => pair.designs.find(k => light(pair, k) && threats.every((_, t) => scored(pair, k, t) >= 0)) ?? null;
+// What no required probability would give, where one is.
+const even = pair => (anyAsked() ? lightest(pair, 4, none) : null);
 
 // Areal density of the lightest design over x, given the greatest x that a design reaches.
 function curve(pair, xs, reach) {
@@ -178,120 +192,134 @@ function curve(pair, xs, reach) {
     }
   return ys;
 }
-function overConfidence(pair, xs) {
-  const asked = wanted().map((z, t) => (threats[t].own === null ? null : z)), none = lightest(pair, asked);
+function overProbability(pair, xs) {
+  const own = threats.map(t => t.own && scoreOf(t.own)), first = lightest(pair, 4, own) ?? lightest(pair, 3, own);
   const ys = curve(pair, xs.map(x => scoreOf(x / 100)), k =>
-    asked.every((z, t) => (z === null && !limited(t, 0)) || stops(pair, k, t, z)) ? threats.reduce((least, { own }, t) => (own === null ? min(least, scored(pair, k, t)) : least), Infinity) + 1e-6 : NaN);
-  return [none === null ? Infinity : pair.areal[none], ...ys.slice(1)];
+    leastLevel(pair, k, own) === 4 ? min(...own.map((z, t) => (z === null ? scored(pair, k, t) : Infinity))) + 1e-6 : NaN);
+  return [pair.areal[first] ?? Infinity, ...ys.slice(1)];
 }
 function overVelocity(pair, t, xs) {
-  const asked = wanted(), fast = asked[t] !== null && sure(pair, t, asked[t]);
+  const asked = wanted(), fast = speeds(pair, t, asked[t]);
   return curve(pair, xs, k =>
-    asked.every((z, i) => i === t || stops(pair, k, i, z)) ? min(limited(t, asked[t]) ? pair.limits[k * T + t] - threats[t].margin : Infinity, fast ? fast[k] : Infinity) + 1e-4 : NaN);
+    !testsOf(pair, k).unsound && states(pair, k, t, asked[t]) && asked.every((z, i) => i === t || verdict(pair, k, i, z) >= STOPPED) ? fast[k] + 1e-4 : NaN);
 }
 
-// Velocities stopped, with the required or an even chance, minus those of one threat or all, m/s.
-function reserve(pair, asked, only) {
-  const least = new Float64Array(pair.areal.length).fill(Infinity);
-  for (let t = 0; t < T; t++) {
-    if (only !== undefined && t !== only) continue;
-    const v = state.velocities[t], z = asked ? asked[t] : 0, values = z === null ? null : sure(pair, t, z);
-    for (let k = 0; k < least.length; k++) {
-      if (values) least[k] = min(least[k], values[k] - v);
-      if (asked && limited(t, z)) least[k] = min(least[k], pair.limits[k * T + t] - v - threats[t].margin);
-    }
+// Greatest velocities at which designs do what is required, minus those of one threat or all, m/s; NaN for some.
+function reserve(pair, asked, keeps, only) {
+  const most = Float64Array.from(pair.areal, (_, k) => (keeps(k) ? Infinity : NaN));
+  for (const t of only === undefined ? threats.keys() : [only]) {
+    const values = speeds(pair, t, asked[t]);
+    for (let k = 0; k < most.length; k++) most[k] = min(most[k], values[k] - state.velocities[t]);
   }
-  return least;
+  return most;
 }
 
 // --- words
 
 const trimmed = x => String(+x.toFixed(3));
 const areal = x => x.toFixed(1);
-const whole = (pair, k) => areal(pair.areal[k] + pair.hull);
+// As `beside` of Python.
+function beside(value, bound, digits, atMost) {
+  if (isFinite(bound)) digits = max(digits, (String(+bound.toPrecision(10)).split(".")[1] ?? "").length);
+  const scale = 10 ** digits, side = atMost ? -1 : 1;
+  let rounded = floor(value * scale + 0.5 + 1e-6) / scale;
+  if (side * value < side * bound && side * bound <= side * rounded) rounded = (atMost ? ceil : floor)(value * scale) / scale;
+  return rounded.toFixed(digits);
+}
 const weight = (pair, k) => `${areal(pair.areal[k])} kg/m²${pair.hull && ` (${whole(pair, k)} with the back plate, which exists)`}`;
+const whole = (pair, k) => areal(pair.areal[k] + pair.hull);
 const signed = x => `${x < 0 ? "−" : "+"}${areal(abs(x))}`;
-// A probability is rounded down, so that none is shown that is not reached.
-function chance(z) {
-  if (isNaN(z)) return "unknown";
-  if (z === Infinity) return "above 99 %";
-  return z === -Infinity ? "below 1 %" : `${floor(100 * below(z) + 1e-4)} %`;
+// A probability is rounded down, so that none is shown that is not reached; it is as exact as the one required.
+function chance(z, p = null) {
+  const digits = p === null ? 0 : (String(+(100 * p).toPrecision(8)).split(".")[1] ?? "").length;
+  if (isNaN(z)) return "not known";
+  if (z === Infinity || (below(z) > 0.99 && !digits)) return `above ${trimmed(100 * (digits ? DATA.probabilities[0] : 0.99))} %`;
+  return below(z) < 0.01 ? "below 1 %" : `${(floor(100 * below(z) * 10 ** digits + 1e-4) / 10 ** digits).toFixed(digits)} %`;
+}
+function stops(pair, k, t) {
+  const z = scored(pair, k, t), { floor } = testsOf(pair, k).threats[t];
+  return `${floor && below(z) <= 0.99 ? "at least " : ""}${chance(z, required()[t])}`;
 }
 const letter = t => (T > 1 ? `${mark(t)} ` : "");
-const shot = t =>
-  `${threats[t].name} at ${trimmed(state.velocities[t])} m/s${threats[t].obliquity ? `, ${threats[t].obliquity}°` : ""}`;
-const listed = words => (words.length > 1 ? `${words.slice(0, -1).join(", ")} and ${words.at(-1)}` : words[0]);
-const allThreats = () => (T > 3 ? `all ${T} threats` : listed(threats.map((_, t) => shot(t))));
+const shot = t => `${threats[t].words[0]} at ${trimmed(state.velocities[t])} m/s${threats[t].words[1]}`;
 function thicknesses(pair, k) {
   const m = pair.backings.length;
   return [pair.ceramics[floor(k / m)], pair.backings[k % m]];
 }
-function armour(pair, k) {
-  const [c, b] = thicknesses(pair, k);
-  return pair.ceramic ? `${trimmed(c)} mm ${pair.said} on ${trimmed(b)} mm ${pair.backing}` : `${trimmed(b)} mm ${pair.backing}`;
+const layers = (pair, k, ceramic, backing) => `${tile(pair, k) ? `${trimmed(tile(pair, k))}${ceramic} on ` : ""}${trimmed(thicknesses(pair, k)[1])} ${backing}`;
+const armour = (pair, k) => layers(pair, k, ` mm ${pair.said}`, `mm ${pair.backing}`);
+const short = (pair, k) => layers(pair, k, "", "mm");
+const thickness = (pair, k) => tile(pair, k) + thicknesses(pair, k)[1] * !pair.hull + DATA.added.thickness;
+// The threat that decides: that of the worst verdict and, of equals, the likeliest to fail.
+function deciding(pair, k) {
+  const by = threats.map((_, t) => {
+    const known = tells(pair, k, t), shown = limit(pair, k, t), v = state.velocities[t];
+    return [verdict(pair, k, t), known ? below(scored(pair, k, t)) - required()[t] : shown - v - threats[t].margin, shown / v];
+  });
+  return [...by.keys()].sort((a, b) => by[a][0] - by[b][0] || by[a][1] - by[b][1] || by[a][2] - by[b][2])[0];
 }
-function short(pair, k) {
-  const [c, b] = thicknesses(pair, k);
-  return pair.ceramic ? `${trimmed(c)} on ${trimmed(b)} mm` : `${trimmed(b)} mm`;
-}
-// The threat that is most likely to perforate or, where that is unknown, the one with the least margin.
-function governing(pair, k) {
-  const of = threats.map((_, t) => scored(pair, k, t));
-  const by = of.some(isNaN) || of.every(z => z === Infinity) ? threats.map((_, t) => pair.limits[k * T + t] - required(t)) : of;
-  return by.indexOf(min(...by));
-}
-const worst = (pair, k) => {
-  const of = threats.map((_, t) => scored(pair, k, t));
-  return of.some(isNaN) ? NaN : min(...of);
-};
+const worst = (pair, k, t = deciding(pair, k)) => (tells(pair, k, t) ? stops(pair, k, t) : DATA.verdicts[verdict(pair, k, t)]);
+// The probability required against all threats; null: others against some.
 function percent() {
-  const asked = new Set(confidences());
-  return asked.size > 1 ? null : `${trimmed(100 * [...asked][0])} %`;
+  const asked = new Set(required());
+  return asked.size > 1 ? null : `${trimmed(100 * ([...asked][0] ?? 0.5))} %`;
 }
-// The distributions of inputs are not sampled here.
-const exact = DATA.exact ? ", with exact inputs" : "";
-const confidenceWords = () => `with ${percent() ?? "the"} confidence${margins ? " and the margin" : ""}${percent() && !margins ? "" : " asked for"}${exact}`;
-const plus = margins ? " plus the margin" : "";
-
-function headline(pair, { k, reason }) {
+const doesStop = () => (percent() && !margins ? `stops with ${percent()}` : "does what is required");
+const byModel = (pair, k, t) => (tells(pair, k, t) ? "expected" : "by the model");
+const limitText = (pair, k, t) => beside(limit(pair, k, t), state.velocities[t] + threats[t].margin, 0);
+// Speed up to which a shot is stopped with the required or the usual probability; "" where that is not stated.
+const usual = t => required()[t] ?? DATA.usual;
+function safe(pair, k, t) {
+  const z = scoreOf(usual(t)), d = k * T + t;
+  return tells(pair, k, t) && pair.most[d] >= z - 1e-6 ? `${beside(stopped(pair, d, z), state.velocities[t], 0)} m/s` : "";
+}
+// In what a design is far from the tests.
+function far(pair, k, t) {
+  const { tiles, plates, far } = testsOf(pair, k).threats[t], m = pair.backings.length;
+  return [pair.untested && tile(pair, k) ? `${pair.ceramic} (no test)` : "", tiles[floor(k / m)], plates[k % m], ...far].filter(Boolean).join(", ");
+}
+const isFar = (pair, k) => threats.some((_, t) => far(pair, k, t));
+const bounded = (pair, k) => [["areal density", pair.areal[k], state.most, "kg/m²"], ["thickness", thickness(pair, k), DATA.thickest ?? Infinity, "mm"]];
+// What optimise and check say of a design.
+function headline(pair, k) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
-  const named = `${armour(pair, k)}, ${weight(pair, k)},`, lead = `${named} is the lightest`;
-  if (/none|low/.test(reason)) {
-    const lacks = threats.map((_, t) => [lack(pair, k, t), t]).filter(([by]) => by > 0).map(([by, t]) => `${round(by) || "less than 1"} m/s against ${threats[t].name}`);
-    const over = light(pair, k) ? [] : [`${areal(pair.areal[k] - state.most)} kg/m² too much`];
-    return `${reason === "low limit" ? "Not known, as the limit is too low" : "None passes"}: the nearest, ${named} lacks ${listed([...lacks, ...over])}.`;
-  }
-  if (reason === "single") return `One source alone gives the flow stress of ${pair.ceramic}, so that no design of it is named lightest. By it, ${named} reaches ${allThreats()}${plus}.`;
-  if (reason === "no metal") return `Not known: ${pair.unlike}.`;
-  if (reason && isKnown(pair, k)) return `Not known: ${named} is far from the tests, where ${chance(worst(pair, k))} is the most that is stated.`;
-  if (reason) return `Not known: ${lead} that reaches ${allThreats()}${plus} by the computed limit. How likely it is to stop is unknown${DATA.interlayer && `: ${DATA.interlayer}`}.`;
-  if (anyAsked()) return `${lead} that stops ${allThreats()} ${confidenceWords()}.`;
-  const z = worst(pair, k);
-  const sure = isNaN(z) ? "How likely it is to stop is unknown." : `The ${T > 1 ? "least " : ""}probability of stopping is ${chance(z)}.`;
-  return `${lead} whose computed ballistic limit reaches ${allThreats()}${plus}. ${sure}`;
+  const found = judged(pair, k), least = found <= PERFORATED ? "nearest" : found <= STOPPED ? "lightest by the model" : "lightest";
+  const amounts = bounded(pair, k).map(([, value, most, unit]) => `${beside(value, most, 1, true).replace(unit === "mm" ? /\.0$/ : "", "")}${isFinite(most) ? ` of at most ${trimmed(most)}` : ""} ${unit}`);
+  return `${least}: ${armour(pair, k)}, ${amounts.join(", ")}`;
+}
+function sentence(pair, k) {
+  const found = judged(pair, k), word = DATA.verdicts[found], alike = T > 1 && new Set(threats.map((_, t) => verdict(pair, k, t))).size === 1;
+  const over = bounded(pair, k).filter(([, value, most]) => value > most + 1e-9).map(([what, value, most, unit]) => `${what} ${beside(value, most, 1, true)} ${unit}, at most ${trimmed(most)} ${unit} allowed`);
+  if (over.length || pair.excluded.has(k)) return `${word}: ${over.join("; ") || "cost beyond the most allowed"}`;
+  const kept = (margins || DATA.limited || DATA.thickest || isFinite(state.most)) && (found === STOPPED || found === EXPECTED);
+  return `${word}${alike ? " against every threat" : ""}: ${reasons(pair, k, deciding(pair, k))}${kept ? "; keeps all limits of [design]" : ""}`;
+}
+function reasons(pair, k, t) {
+  const tests = testsOf(pair, k), found = verdict(pair, k, t), p = required()[t], { margin } = threats[t], name = shot(t);
+  const asked = `(${p === null ? "none required" : `${trimmed(100 * p)} % required`})${DATA.exact ? ", with exact inputs" : ""}`, limited = `limit ${limitText(pair, k, t)} m/s`;
+  if (tests.unsound) return tests.unsound;
+  const above = limit(pair, k, t) - state.velocities[t] + 1e-4;
+  if (margin && above < margin) return `${limited} ${byModel(pair, k, t)} against ${name}; ${margin} m/s above it required`;
+  const likely = stops(pair, k, t);
+  if (tells(pair, k, t)) return found === EXPECTED ? `a shot of ${name}, with ${likely} ${asked}` : `stops a shot of ${name} with ${found === NOT_KNOWN ? `at most ${likely} so far from the tests` : likely} ${asked}`;
+  if (found === STOPPED || found === PERFORATED) return `${name}, ${limited}`;
+  return `${found === NOT_KNOWN ? `${tests.threats[t].why}; ` : ""}${name} ${above < 0 ? "perforates" : "is stopped"} by the model, ${limited}`;
 }
 function besides(pair, best, ring) {
-  const words = [];
-  const untested = threats.flatMap((_, t) => (pair.designs.some(k => !isNaN(scored(pair, k, t))) ? [] : [shot(t)]));
-  if (best !== null) words.push(...pair.caveats.filter(each => thicknesses(pair, best)[0] <= each[1]).map(each => each[0]));
-  if (pair.outside) words.push(`All lie outside the tests in ${pair.outside}.`);
-  if (untested.length) words.push(`No test like ${pair.name} against ${untested.length === T ? allThreats() : listed(untested)} is known, so no probability is known.`);
-  if (ring !== null && best !== null && anyAsked() && pair.areal[best] > pair.areal[ring]) {
-    const more = pair.areal[best] - pair.areal[ring];
-    words.push(`${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m², stops more often than not: what is asked for weighs ${areal(more)} kg/m² (${round(100 * more / pair.areal[ring])} %) more.`);
-  }
-  const own = best === null ? Infinity : pair.areal[best];
-  const rival = DATA.pairs.map(p => [p, lightest(p)]).filter(([p, k]) => k !== null && p !== pair && !p.single && !DATA.interlayer && p.areal[k] < own - 1e-9 && (isKnown(p, k) || !pair.known))
-    .sort((a, b) => a[0].areal[a[1]] - b[0].areal[b[1]])[0];
-  if (rival) words.push(`${armour(rival[0], rival[1])} is lighter, ${areal(rival[0].areal[rival[1]])} kg/m².`);
-  if (pair.free.some(Boolean)) words.push("Any thickness is on offer; of those between the steps of this map a lighter one may do.");
+  const words = best === null ? [] : pair.caveats.filter(each => thicknesses(pair, best)[0] <= each[1]).map(each => each[0]);
+  if (ring !== null) words.push(`Without a required probability: ${short(pair, ring)}, ${areal(pair.areal[ring])} kg/m².`);
   return words.join(" ");
+}
+// Order of pairs by what is shown of them.
+function better([p, a], [q, b]) {
+  if (a.k === null || b.k === null) return (a.k === null) - (b.k === null);
+  return b.level - a.level || isKnown(q, b.k) - isKnown(p, a.k) || a.lack - b.lack || p.areal[a.k] - q.areal[b.k];
 }
 
 // Quote for a shell.
 const quoted = word => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", `'"'"'`)}'`);
 function command(pair, k) {
-  const t = governing(pair, k), threat = threats[t], [c, b] = thicknesses(pair, k), own = DATA.own;
+  const t = deciding(pair, k), threat = threats[t], [c, b] = thicknesses(pair, k), own = DATA.own;
   const changes = new Map([...DATA.changes, ...pair.changes].map(change => [change.split("=")[0].trim(), change]));
   const set = (key, value, same) => same !== value && changes.set(key, `${key}=${typeof value === "string" ? JSON.stringify(value) : value}`);
   if (pair.ceramic) {
@@ -322,7 +350,8 @@ function button(words, act) {
   return made;
 }
 const circle = (cx, cy, r, of) => svg("circle", { class: of, cx, cy, r });
-const square = (x, y, r, of) => svg("rect", { class: of, x: x - r, y: y - r, width: 5, height: 5 });
+// A design, hollow if it is far from the tests.
+const spot = (pair, k, [x, y], r, of) => circle(x, y, r, `spot ${of}${isFar(pair, k) ? " far" : ""}`);
 const small = (width, height) => svg("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
 const path = (points, of) => svg("path", { class: of, d: `M${points.map(p => `${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("L")}` });
 const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFixed(1), class: of, "font-size": 12, ...more }, words);
@@ -331,7 +360,7 @@ const text = (x, y, words, of, more) => svg("text", { x: x.toFixed(1), y: y.toFi
 function ticks(low, high, count) {
   const raw = (high - low) / count || 1, power = 10 ** floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find(m => m * power >= raw * 0.999), found = [];
-  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) found.push(+(n * step).toPrecision(12));
+  for (let n = ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) found.push(+(n * step).toPrecision(12));
   return found;
 }
 
@@ -418,17 +447,16 @@ function viewOf(pair) {
   if (!flat) return lineViewOf(pair, { pair, narrow, width, height, frame, n: pair.ceramics.length, m: pair.backings.length }, scale);
   const across = scale(pair.backings, frame.left, frame.right), up = scale(pair.ceramics, frame.bottom, frame.top);
   const [x, y] = [pair.backings.map(across.at), pair.ceramics.map(up.at)];
-  const near = [[x, width], [y, height]].map(([places, size]) =>
-    Array.from({ length: size }, (_, at) => places.reduce((best, place, n) => (abs(place - at) < abs(places[best] - at) ? n : best), 0)));
-  return { pair, grey: {}, equal: {}, near, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
+  return { pair, grey: {}, equal: {}, width, height, narrow, frame, across, up, n: pair.ceramics.length, m: pair.backings.length, x, y };
 }
 
-// Margins over the thickness, if only one varies.
-const margin = (pair, k, t) => pair.limits[k * T + t] - required(t);
+// How far a design exceeds what is required, m/s, over the thickness if only one varies.
+const excess = (pair, k, t) => speeds(pair, t, wanted()[t])[k] - state.velocities[t];
+const overSource = (limit, t) => limit - state.velocities[t] - threats[t].margin;
 function lineViewOf(pair, view, scale) {
   const { frame } = view, values = view.m > 1 ? pair.backings : pair.ceramics;
-  const over = (pair.over ?? []).flat().map((limit, d) => limit - required(d % T));
-  const every = [0, ...over, ...pair.areal.keys().flatMap(k => threats.map((_, t) => margin(pair, k, t)))];
+  const over = (pair.over ?? []).flat().map((limit, d) => overSource(limit, d % T));
+  const every = [0, ...over, ...pair.areal.keys().flatMap(k => threats.map((_, t) => excess(pair, k, t)))];
   const spare = 0.05 * (max(...every) - min(...every));
   return { ...view, line: true, values, across: scale(values, frame.left + 10, frame.right - 10), up: scale([min(...every) - spare, max(...every) + spare], frame.bottom, frame.top) };
 }
@@ -436,14 +464,14 @@ function drawLines(pair, lines, words) {
   const { across, up, values, frame } = view, colours = ["blue", "red", "green", "ink"], ends = [];
   lines.append(path([[frame.left, up.at(0)], [frame.right, up.at(0)]], "ink"));
   words.append(text(frame.left + 8, up.at(0) - 6, "required", "halo strong"));
-  const at = (n, t, limit) => [across.at(values[n]), up.at(limit - required(t))];
+  const at = (n, most) => [across.at(values[n]), up.at(most)];
   threats.forEach((_, t) => {
-    if (!pair.over || (T > 3 && t !== governing(pair, answer(pair).k))) return;
-    const [least, greatest] = pair.over.map(limits => values.map((_, n) => at(n, t, limits[n * T + t])));
+    if (!pair.over || (T > 3 && t !== deciding(pair, answer(pair).k))) return;
+    const [least, greatest] = pair.over.map(limits => values.map((_, n) => at(n, overSource(limits[n * T + t], t))));
     lines.append(svg("path", { class: `band ${colours[t % 4]}`, d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
   });
   threats.forEach((_, t) => {
-    const line = values.map((_, n) => at(n, t, pair.limits[n * T + t]));
+    const line = values.map((_, n) => at(n, excess(pair, n, t)));
     lines.append(path(line, `limit ${colours[t % 4]}`));
     let y = line.at(-1)[1] + 4;
     while (ends.some(end => abs(end - y) < 13)) y += 13;
@@ -467,7 +495,7 @@ function label(lines, said, of) {
   const { taken, words } = view;
   const line = lines.reduce((a, b) => (b.length > a.length ? b : a), []), half = 3.2 * said.length;
   let best = null, most = 8;
-  for (let s = 1; s < line.length - 1; s += Math.ceil(line.length / 40)) {
+  for (let s = 1; s < line.length - 1; s += ceil(line.length / 40)) {
     const [x, y] = line[s], [a, b] = [line[max(s - 3, 0)], line[min(s + 3, line.length - 1)]];
     let angle = Math.atan2(b[1] - a[1], b[0] - a[0]);
     if (abs(angle) > Math.PI / 2) angle -= Math.PI * Math.sign(angle);
@@ -479,25 +507,11 @@ function label(lines, said, of) {
   taken.push(...points);
   words.append(text(x, y + 4, said, `halo mid small ${of}`, { transform: `rotate(${(angle * 180 / Math.PI).toFixed(1)} ${x.toFixed(1)} ${y.toFixed(1)})` }));
 }
-// Put words where a field is above 0 and has most room.
-function caption(field, said, of) {
-  const { frame, near, m, taken, words } = view, half = 3.6 * said.length;
-  let best = null, most = 14;
-  const inside = (x, y) => field[near[1][round(y)] * m + near[0][round(x)]] > 0;
-  for (let y = frame.top + 20; y < frame.bottom - 12; y += 20)
-    for (let x = frame.left + half + 8; x < frame.right - half - 8; x += 20) {
-      if (!inside(x - half, y + 10) || !inside(x + half, y - 14) || !inside(x + half, y + 10) || !inside(x - half, y - 14)) continue;
-      const points = [[x - half, y], [x, y], [x + half, y]], room = roomOf(points);
-      if (room > most) [best, most] = [points, room];
-    }
-  if (best === null) return;
-  taken.push(...best);
-  words.append(text(best[1][0], best[1][1] + 4, said, `halo mid ${of}`));
-}
-
 function limitLines(pair, t) {
-  const own = pair.areal.map((_, k) => pair.limits[k * T + t]), group = svg("g");
-  const sorted = own.slice().sort(), lines = ticks(sorted[0], sorted.at(-1), view.narrow ? 6 : 12).map(level => [level, contour(view, own, level)]);
+  // Limits change at once where no probability is known.
+  const own = [false, true].map(known => pair.areal.map((_, k) => (tells(pair, k, t) === known ? limit(pair, k, t) : NaN))), group = svg("g");
+  const every = [...pair.areal.keys()].map(k => limit(pair, k, t)), levels = ticks(min(...every), max(...every), view.narrow ? 6 : 12);
+  const lines = levels.map(level => [level, own.flatMap(some => contour(view, some, level))]);
   for (const [, found] of lines) group.append(...found.map(line => path(line, "grey")));
   return { lines, group };
 }
@@ -505,35 +519,37 @@ function drawMap(pair, best, ring) {
   if (view?.pair !== pair || view.line) view = viewOf(pair);
   const { frame, width, height, across, up } = view, box = $("map");
   const areas = svg("g"), lines = svg("g"), marks = svg("g"), words = (view.words = svg("g")), taken = (view.taken = []);
-  const asked = wanted(), fields = { asked: reserve(pair, asked), even: reserve(pair, null).map(each => -each) };
-  const flat = !view.line;
+  const asked = wanted(), sound = k => !testsOf(pair, k).unsound, flat = !view.line;
+  const keeps = k => sound(k) && (isKnown(pair, k) || !pair.known) && asked.every((z, t) => states(pair, k, t, z));
+  const fields = {
+    asked: reserve(pair, asked, keeps), byModel: reserve(pair, none, k => !isKnown(pair, k)),
+    unstated: reserve(pair, asked, k => isKnown(pair, k) && sound(k)),
+    fails: pair.areal.map((_, k) => (isKnown(pair, k) && sound(k) ? max(...threats.map((_, t) => state.velocities[t] - limit(pair, k, t))) : NaN)),
+  };
   if (!flat) drawLines(pair, lines, words);
-  if (flat) {
-    if (pair.known) areas.append(view.unknown ??= area(view, fields.even.map(v => +isNaN(v)), 1e-3, "unknown"), area(view, fields.even, 0, "fails"));
-    if (anyAsked()) areas.append(area(view, fields.asked, 0, "stops"));
-  }
+  else areas.append(area(view, fields.byModel.map(v => (pair.known || anyAsked()) - isNaN(v)), 1e-3, "unknown"), area(view, fields.unstated, 0, "unknown"), area(view, fields.fails, 0, "fails"), area(view, fields.asked, 0, "stops"));
 
   // Designs first: labels of lines keep clear of their words.
-  const right = [], colours = [[ring, "even", "t-red", "red thin"], [best, answer(pair).reason ? "cursor" : "best", anyAsked() ? "t-blue" : "strong", "blue thin"]];
+  const right = [], bestOf = best !== null && isGood(pair, best) ? "best" : "poor";
+  const colours = [[ring, "even", "t-red", "red thin"], [best, bestOf, bestOf === "best" ? "t-blue" : "strong", "blue thin"]];
   for (const [k, of, colour, line] of colours) {
     if (k === null || (of === "even" && k === best)) continue;
     const [x, y] = placeOf(pair, k), above = of !== "even";
-    marks.append(circle(x, y, above ? 7.5 : 6, of));
-    const said = [short(pair, k), `${areal(pair.areal[k])} kg/m², ${chance(worst(pair, k))}`], room = 6.6 * max(...said.map(w => w.length));
+    marks.append(spot(pair, k, [x, y], above ? 7 : 6, of));
+    const said = [short(pair, k), `${areal(pair.areal[k])} kg/m², ${worst(pair, k)}`], room = 6.6 * max(...said.map(w => w.length));
     const side = (above ? x + 12 + room < width : x - 12 - room < frame.left) ? 1 : -1, top = y + (above ? -20 : 18);
     said.forEach((w, n) => words.append(text(x + 12 * side, top + 14 * n, w, `halo ${side > 0 ? "" : "end"} ${colour}`)));
     taken.push([x, y], ...[0.2, 0.5, 0.8].map(part => [x + side * (12 + part * room), top + 4]));
     right.push([pair.areal[k], line, colour]);
   }
 
-  const outline = state.tests && pair.tested[state.lines === "none" ? 0 : +state.lines];
-  if (outline && flat) {
-    const cut = (value, of) => of.at(min(max(value, of.low), of.high)), [[a, b], [c, d]] = outline;
-    const [left, end, low, high] = [cut(c, across), cut(d, across), cut(a, up), cut(b, up)];
+  const { tile: tiles, plate: plates } = pair.tested[1]?.threats[state.lines === "none" ? 0 : +state.lines] ?? {};
+  if (state.tests && pair.known && tiles && plates && flat) {
+    const cut = (value, of) => of.at(min(max(value, of.low), of.high)), [left, end] = plates.map(mm => cut(mm, across)), [low, high] = tiles.map(mm => cut(mm, up));
     if (end > left && low > high) {
       lines.append(svg("rect", { class: "green", x: left, y: high, width: end - left, height: low - high }));
-      taken.push([end - 30, low - 8], [end - 80, low - 8]);
-      words.append(text(end - 4, low - 5, "thicknesses tested", "halo end small t-green"));
+      taken.push([end - 30, high - 8], [end - 80, high - 8]);
+      words.append(text(end - 4, high - 5, "thicknesses tested", "halo end small t-green"));
     }
   }
   const heights = [];
@@ -553,59 +569,47 @@ function drawMap(pair, best, ring) {
     for (const value of ticks(pair.areal[0], pair.areal.at(-1), view.narrow ? 4 : 6)) straight(value, "dotted", "t-soft", trimmed(value));
     const grey = state.lines === "none" ? null : (view.grey[state.lines] ??= limitLines(pair, +state.lines));
     if (grey) lines.append(grey.group);
-    const front = svg("g"), known = pair.known && anyAsked();
+    const front = svg("g");
     const drawn = (field, of, said, colour) => {
       const found = contour(view, field, 0);
       front.append(...found.map(line => path(line, of)));
       label(found, said, colour);
     };
-    if (pair.known) drawn(fields.even, "red", "50 %", "t-red");
-    if (known) drawn(fields.asked, "blue", percent() ?? "asked for", "t-blue");
-    else drawn(pair.known ? fields.asked : reserve(pair, asked.map(() => null)), "ink", `computed limit = velocity${margins ? " + margin" : ""}`, "strong");
-    if (pair.known) caption(fields.even, view.narrow ? "perforated" : "perforated more often than not", "t-red");
-    if (known) {
-      caption(fields.asked, percent() ? `${percent()} or more stopped` : "meets the requirements", "t-blue");
-      label(contour(view, fields.asked.map((each, k) => each - fields.even[k]), 0), "stopped, but less surely", "t-soft");
+    drawn(fields.byModel, "ink", "stopped by the model", "strong");
+    if (pair.known) {
+      drawn(fields.fails, "red", "stops with 50 %", "t-red");
+      if (anyAsked() || margins) drawn(fields.asked, "blue", doesStop(), "t-blue");
+      if (anyAsked() && T > 1 && T < 5) threats.forEach((_, t) => drawn(reserve(pair, asked, keeps, t), "blue fine", mark(t), "t-blue"));
     }
-    if (known && T > 1 && T < 5)
-      threats.forEach((_, t) => {
-        drawn(reserve(pair, asked, t), "blue fine", mark(t), "t-blue");
-        drawn(reserve(pair, null, t), "red fine", mark(t), "t-red");
-      });
     if (grey)
       for (const [level, found] of grey.lines) label(found, String(level), "t-soft");
     lines.append(front);
   }
-  if (pair.onOffer.length <= 400) {
-    // Over one thickness, by the computed limit where no probability is known, with the least flow stress of sources.
-    const reached = (k, t, z) => stops(pair, k, t, (view.line || !pair.known) && isNaN(scored(pair, k, t)) ? null : z) && (!pair.over || pair.over[0][k * T + t] >= required(t));
-    const passing = new Set(pair.designs.filter(k => light(pair, k) && asked.every((z, t) => reached(k, t, z))));
-    for (const k of pair.onOffer) lines.append((pair.inside.includes(k) ? circle : square)(...placeOf(pair, k), 2.6, passing.has(k) ? "dot on" : "dot"));
-  }
+  if (pair.onOffer.length <= 400) for (const k of pair.onOffer) lines.append(spot(pair, k, placeOf(pair, k), 2.6, isGood(pair, k) ? "dot on" : "dot"));
   const axes = svg("g");
   axes.append(svg("rect", { class: "frame", x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top }));
   const bottom = flat ? pair.backings : view.values, marked = bottom.length > 1 ? ticks(across.low, across.high, view.narrow ? 5 : 8) : bottom;
-  for (const b of marked) if (abs(across.at(b) - frame.left) < width && across.at(b) <= frame.right && across.at(b) >= frame.left) axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
-  for (const c of flat || view.line ? ticks(up.low, up.high, view.narrow ? 5 : 9) : [])
+  for (const b of marked) axes.append(text(across.at(b), frame.bottom + 16, trimmed(b), "t-soft mid"));
+  for (const c of ticks(up.low, up.high, view.narrow ? 5 : 9))
     axes.append(text(frame.left - 6, up.at(c) + 4, flat ? trimmed(c) : (c > 0 ? "+" : "") + trimmed(c).replace("-", "−"), "t-soft end"));
   box.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair))}`);
+  box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair).k)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
-  const said = flat ? ["Dotted: equal areal density.", ...(state.lines === "none" ? [] : ["Thin: equal ballistic limit, m/s."])]
-    : [`Lines: the computed limit against ${T > 1 ? "each threat" : "the threat"}, less the one required.`, ...(pair.over ? [`Band${T > 3 ? " of the threat that governs" : "s"}: over the flow stresses that sources give.`] : [])];
-  if (pair.onOffer.length <= 400) said.push(`Dots: on offer, filled where they ${flat || pair.known ? "do what is asked for" : `reach what is required by the computed limit${pair.over ? ", even with the least of these flow stresses" : ""}`}; squares: outside tests.`);
+  const tints = pair.known ? `Blue: ${doesStop()}. Red: below 50 %. Grey: not known.` : anyAsked() ? "Grey: not known." : "Blue: stopped by the model.";
+  const legend = flat ? [tints, "Dotted: equal areal density.", ...(state.lines === "none" ? [] : [`Thin: equal limit, ${pair.known ? "expected" : "by the model"}, m/s.`])]
+    : pair.over ? [`Band${T > 3 ? " of the threat that decides" : "s"}: limits by the model over the flow stresses that sources give.`] : [];
+  legend.push(pair.onOffer.length > 400 ? "" : "Dots: on offer, blue where they hold.", "Hollow: far from the tests.");
   $("options").style.display = flat ? "" : "none";
-  said.push("Point at a design to read it, click to pin it. Keys: arrows move (Shift: five steps), Home goes to the lightest, Enter pins, Escape leaves.");
-  $("keys").textContent = said.join(" ");
+  $("legend").textContent = legend.join(" ");
   $("areal-name").hidden = !flat;
-  const [up_, right_] = [`ceramic ${pair.said}, mm`, `back plate ${pair.backing}, mm`];
-  $("y-name").textContent = flat ? `↑ ${up_}` : "↑ computed limit less the one required, m/s";
+  const [up_, right_] = [`tile ${pair.said}, mm`, `plate ${pair.backing}, mm`], lineOf = !pair.known ? "limit by the model" : anyAsked() ? "speed that is stopped as required" : "expected limit";
+  $("y-name").textContent = flat ? `↑ ${up_}` : `↑ ${lineOf}, less velocity${margins ? " and margin" : ""}, m/s`;
   $("x-name").textContent = `${flat || view.m > 1 ? right_ : up_} →`;
   drawOver(pair);
 }
 
 const placeOf = (pair, k) =>
-  view.line ? [view.across.at(view.values[k]), view.up.at(min(...threats.map((_, t) => margin(pair, k, t))))] : [view.x[k % view.m], view.y[floor(k / view.m)]];
+  view.line ? [view.across.at(view.values[k]), view.up.at(min(...threats.map((_, t) => excess(pair, k, t))))] : [view.x[k % view.m], view.y[floor(k / view.m)]];
 // The pointer and the pins.
 function drawOver(pair) {
   const over = $("over"), { frame } = view;
@@ -621,7 +625,7 @@ function drawOver(pair) {
   const chip = (cx, cy, said, width) => over.append(svg("rect", { class: "pin", x: cx - width / 2, y: cy - 10, width, height: 19, rx: 3 }), text(cx, cy + 4, said, "pin-text mid"));
   if (pair.ceramic && !view.line) chip(frame.left - 15, y, trimmed(c), 32);
   chip(x, frame.bottom + 13, trimmed(view.line && view.m === 1 ? c : b), 32);
-  const said = `${areal(pair.areal[state.cursor])} kg/m² · ${chance(worst(pair, state.cursor))}`, width = 7 * said.length + 8;
+  const said = `${areal(pair.areal[state.cursor])} kg/m² · ${worst(pair, state.cursor)}`, width = 7 * said.length + 8;
   chip(min(max(x, frame.left + width / 2), view.width - width / 2), y > 40 ? y - 24 : y + 26, said, width);
 }
 
@@ -631,7 +635,7 @@ function drawPairs() {
   if (box.hidden) return;
   const rows = DATA.pairs.map(pair => [pair, answer(pair).k, even(pair)]);
   const values = rows.flatMap(([p, a, b]) => [a, b].filter(k => k !== null).map(k => p.areal[k]));
-  const low = min(...values), high = max(...values), at = v => 8 + 96 * (high > low ? (v - low) / (high - low) : 0.5);
+  const low = min(...values), high = max(...values), at = v => 8 + 80 * (high > low ? (v - low) / (high - low) : 0.5);
   const focused = box.contains(document.activeElement);
   box.replaceChildren(box.querySelector("legend"), ...rows.map(([pair, best, ring], n) => {
     const input = html("input", { type: "radio", name: "pair", value: n });
@@ -640,10 +644,10 @@ function drawPairs() {
     const picture = small(210, 18);
     const places = [ring, best].filter(k => k !== null).map(k => at(pair.areal[k]));
     if (places.length === 2) picture.append(path([[places[0], 9], [places[1], 9]], "frame"));
-    if (ring !== null) picture.append(circle(at(pair.areal[ring]), 9, 4, "even"));
-    if (best !== null) picture.append(circle(at(pair.areal[best]), 9, 5, isKnown(pair, best) && !answer(pair).reason ? "best" : "cursor"));
-    const { k, reason } = answer(pair), words = { single: "one source", "none passes": "none" }[reason] ?? reason;
-    const said = reason === "none passes" ? words : `${areal(pair.areal[k])}${words || isKnown(pair, k) ? "" : ", unknown"}${words && `, ${words}`}`;
+    if (ring !== null) picture.append(spot(pair, ring, [at(pair.areal[ring]), 9], 4, "even"));
+    const found = best === null ? FAILS : judged(pair, best);
+    if (best !== null) picture.append(spot(pair, best, [at(pair.areal[best]), 9], 5, found >= STOPPED ? "best" : "poor"));
+    const said = best === null ? "none" : areal(pair.areal[best]) + (found > STOPPED ? "" : found === STOPPED ? " by the model" : `, ${DATA.verdicts[found]}`);
     picture.append(text(places.length ? max(...places) + 9 : 8, 13, said, "small"));
     return html("div", { class: "pair" }, html("label", {}, input, ` ${pair.name}`), picture);
   }));
@@ -654,17 +658,17 @@ function drawPairs() {
 function drawCurve(slider, xs, ys, value) {
   const real = ys.filter(isFinite), picture = slider.picture, at = x => 4 + 292 * (x - xs[0]) / (xs.at(-1) - xs[0]);
   picture.replaceChildren();
-  if (!real.length) return picture.append(text(4, 28, current().known ? "none" : "unknown", "t-soft small"));
+  if (!real.length) return picture.append(text(4, 28, "none", "t-soft small"));
   const low = min(...real), high = max(...real), up = y => 34 - 14 * (high > low ? (y - low) / (high - low) : 0);
   const points = xs.map((x, n) => [at(x), up(ys[n])]).filter((_, n) => isFinite(ys[n]));
   picture.append(path(points, "frame"), text(4, points[0][1] - 5, areal(real[0]), "t-soft small"));
   const [end, top] = points.at(-1);
   if (end - at(value) > 80) picture.append(text(end, top - 5, areal(real.at(-1)), "t-soft small end"));
-  if (end < 215) picture.append(text(300, 40, current().known ? "none" : "unknown", "t-soft small end"));
-  const pair = current(), best = lightest(pair);
-  if (best === null) return;
+  if (end < 215) picture.append(text(300, 40, "none", "t-soft small end"));
+  const pair = current(), { k: best } = answer(pair);
+  if (best === null || !isGood(pair, best)) return;
   const x = at(value), y = up(pair.areal[best]);
-  picture.append(circle(x, y, 4.5, "best"));
+  picture.append(spot(pair, best, [x, y], 4, "best"));
   if (x > 50) picture.append(text(min(x, 266), y - 8, `${areal(pair.areal[best])} kg/m²`, "strong small mid"));
 }
 const sliders = [];
@@ -684,29 +688,29 @@ function slider(name, low, high, step, value, said, changed, points, into = $("s
 function makeSliders() {
   const spread = (low, high, count) => Array.from({ length: count + 1 }, (_, n) => low + (high - low) * n / count), percents = spread(50, 99, 49);
   if (threats.some(t => t.own === null))
-    slider("Confidence", 50, 99, state.confidence === null || Number.isInteger(state.confidence) ? 1 : "any", state.confidence ?? 50,
-      () => (state.confidence === null ? "none asked for" : `${trimmed(state.confidence)} %`),
-      value => { state.confidence = value > 50 ? value : null; },
-      made => drawCurve(made, percents, overConfidence(current(), percents), state.confidence ?? 50));
+    slider("Required probability", 50, 99, state.probability === null || Number.isInteger(state.probability) ? 1 : "any", state.probability ?? 50,
+      () => (state.probability === null ? "none" : `${trimmed(state.probability)} %`),
+      value => { state.probability = value > 50 ? value : null; },
+      made => drawCurve(made, percents, overProbability(current(), percents), state.probability ?? 50));
   // Many sliders would hide what follows.
   const many = T > 3 ? html("details", {}, html("summary", {}, `Velocities of the ${T} threats`)) : null;
   if (many) $("sliders").append(many);
   threats.forEach((threat, t) => {
     const reach = max(round(0.35 * threat.velocity), 1), low = threat.velocity - reach, high = threat.velocity + reach, xs = spread(low, high, 60);
-    const own = threat.own === null ? "" : `, ${trimmed(100 * threat.own)} % asked for`;
+    const own = threat.own === null ? "" : `, ${trimmed(100 * threat.own)} % required`;
     slider(`${letter(t)}${threat.name}${threat.obliquity ? ` at ${threat.obliquity}°` : ""}${own}`, low, high, 1, threat.velocity,
-      () => `${trimmed(state.velocities[t])} m/s${threat.margin ? ` + ${threat.margin}` : ""}`,
+      () => `${trimmed(state.velocities[t])} m/s${threat.margin ? `, limit ${threat.margin} above` : ""}`,
       value => { state.velocities[t] = value; },
       made => drawCurve(made, xs, overVelocity(current(), t, xs), state.velocities[t]), many ?? $("sliders"));
   });
-  const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = floor(min(...every)), high = Math.ceil(max(...every));
+  const every = DATA.pairs.flatMap(p => [p.areal[0], p.areal.at(-1)]), low = floor(min(...every)), high = ceil(max(...every));
   slider("Greatest areal density", low, high, 0.5, min(state.most, high), () => (state.most < Infinity ? `${trimmed(state.most)} kg/m²` : "any"),
     value => { state.most = value < high ? value : Infinity; });
 }
 
 function crossSection(pair, k) {
   const [c, b] = thicknesses(pair, k), rods = threats.map(t => t.rod), longest = max(...rods.map(r => r[0]));
-  const [front, between, behind] = DATA.layers, layers = [...front, ["ceramic", c * !!pair.ceramic], ...between, ["metal", b], ...behind], thick = layers.reduce((sum, of) => sum + of[1], 0);
+  const [front, between, behind] = DATA.layers, layers = [...front, ["ceramic", c], ...between, ["metal", b], ...behind], thick = layers.reduce((sum, of) => sum + of[1], 0);
   const angles = threats.map(t => t.obliquity * Math.PI / 180), rows = rods.map((r, t) => 1.7 * r[1] + 2 + r[0] * Math.sin(angles[t])), tall = max(rows.reduce((a, d) => a + d, 0), 0.8 * thick), wide = longest + thick + 12, gap = longest + 3;
   const font = max(wide, tall * 2) / 26, picture = svg("svg", { viewBox: `0 0 ${max(wide, tall * 2)} ${tall + 3.4 * font}`, role: "img", "aria-label": `Cross-section to scale: ${armour(pair, k)}` });
   const sized = { "font-size": font }, top = 1.4 * font;
@@ -715,7 +719,7 @@ function crossSection(pair, k) {
     picture.append(svg("rect", { class: kind, x, y: top, width: mm, height: tall }, name ? svg("title", {}, name) : null));
     x += mm;
   }
-  picture.append(text(gap + thick / 2, font, pair.ceramic ? `${trimmed(c)} + ${trimmed(b)} mm` : `${trimmed(b)} mm`, "mid", sized));
+  picture.append(text(gap + thick / 2, font, short(pair, k), "mid", sized));
   let y = top + (tall - rows.reduce((a, d) => a + d, 0)) / 2;
   rods.forEach((rod, t) => {
     const middle = y + rows[t] - 0.85 * rod[1] - 1, tip = gap - 2 - 0.5 * rod[1] * Math.sin(angles[t]);
@@ -728,7 +732,7 @@ function crossSection(pair, k) {
   picture.append(svg("rect", { class: "pin", x: 1, y: base - 0.3, width: 10, height: font / 12 }), text(12, base + font / 3, "10 mm", "", sized));
   return picture;
 }
-// The limit's distribution, 1 to 99 %, cut at the velocity.
+// Distribution of the velocities up to which a shot is stopped, 1 to 99 %, cut at the velocity.
 function distribution(pair, d, v) {
   const V = pair.stops, o = d * Q, low = V[o], high = V[o + Q - 1], from = min(low, v), to = max(high, v);
   const at = x => 300 * (x - from) / (to - from), count = 240, heights = [];
@@ -748,18 +752,22 @@ function drawDesign(pair, best) {
   const k = state.cursor ?? best, box = $("design"), focused = box.contains(document.activeElement);
   box.replaceChildren();
   if (k === null) return box.append(html("p", { class: "soft" }, "Point at a design to read it."));
-  const [c, b] = thicknesses(pair, k), governs = governing(pair, k), pinned = state.pins.some(p => p.pair === pair && p.k === k);
+  const pinned = state.pins.some(p => p.pair === pair && p.k === k);
   box.append(html("h2", {}, armour(pair, k)));
   const difference = best === null || k === best ? "" : ` (${signed(pair.areal[k] - pair.areal[best])})`;
-  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(c * !!pair.ceramic + b * !pair.hull + DATA.added.thickness)} mm thick`, k === best ? html("span", { class: "t-blue" }, { "": anyAsked() ? ` lightest that meets the requirements${exact}` : " lightest", "not known": " lightest by the computed limit", "none passes": " nearest", single: "", "no metal": "" }[answer(pair).reason]) : null));
-  if (pair.excluded.includes(k)) box.append(html("p", { class: "t-red" }, "Beyond the limits of the scenario."));
+  box.append(html("p", {}, `${weight(pair, k)}${difference}, ${trimmed(thickness(pair, k))} mm thick`));
+  if (k !== best) box.append(html("p", { class: COLOURS[judged(pair, k)] }, sentence(pair, k)));
   box.append(crossSection(pair, k));
-  threats.forEach((threat, t) => {
-    const d = k * T + t, v = state.velocities[t], z = score(pair, d, v), limit = pair.limits[d];
-    box.append(html("div", { class: "row" }, html("span", {}, `${letter(t)}${shot(t)}`), html("b", {}, isNaN(z) ? "probability unknown" : `${chance(z)} stopped`)));
-    if (!isNaN(z)) box.append(distribution(pair, d, v));
-    const above = round(limit - v), over = pair.over && pair.over.map(limits => round(limits[d])).join(" to ");
-    box.append(html("p", { class: "soft" }, `Computed limit ${round(limit)} m/s${over ? `, ${over} over the sources` : ""}, margin ${above < 0 ? "−" : "+"}${abs(above)} m/s${T > 1 && t === governs ? "; governs" : ""}`));
+  const row = (name, value, of) => value && box.append(html("div", { class: "row" }, html("span", {}, name), html(of ?? "b", {}, value)));
+  threats.forEach((_, t) => {
+    const d = k * T + t;
+    box.append(html("h3", {}, `${letter(t)}${shot(t)}`));
+    row("stops", stops(pair, k, t));
+    if (tells(pair, k, t)) box.append(distribution(pair, d, state.velocities[t]));
+    row(`limit ${byModel(pair, k, t)}`, `${limitText(pair, k, t)} m/s`);
+    if (pair.over) row("over the sources", `${pair.over.map(limits => round(limits[d])).join(" to ")} m/s`);
+    row(`${trimmed(100 * usual(t))} % up to`, safe(pair, k, t));
+    row("far from the tests", far(pair, k, t), "i");
   });
   box.append(button(pinned ? "Remove the pin" : "Pin this design", () => pin(k)));
   if (focused) box.lastChild.focus();
@@ -783,39 +791,41 @@ async function copy(words, code, button) {
   }
 }
 function drawTable(pair, best, ring) {
-  const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "○", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
+  const rows = [[pair, best, "●", "t-blue"], [pair, ring === best ? null : ring, "●", "t-red"], ...state.pins.map((p, n) => [p.pair, p.k, n + 1, "disc", p])].filter(row => row[1] !== null);
   const from = best === null ? null : pair.areal[best];
-  const shown = k => (T > 2 ? [governing(current(), k)] : threats.map((_, t) => t));
-  const heads = ["armour", "kg/m²", ...(current().hull ? ["whole"] : []), ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["governs", "limit, m/s", "stopped"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stopped`]))];
+  const shown = k => (T > 2 ? [deciding(current(), k)] : threats.map((_, t) => t));
+  const heads = ["armour", "kg/m²", ...(current().hull ? ["whole"] : []), ...(from === null ? [] : [`from ${areal(from)}`]), ...(T > 2 ? ["decides", "limit, m/s", "stops"] : threats.flatMap((_, t) => [`${letter(t)}limit, m/s`, `${letter(t)}stops`]))];
   const body = html("tbody");
   for (const [of, k, sign, colour, pinned] of rows) {
     const difference = from === null ? 0 : of.areal[k] - from;
     const cells = [areal(of.areal[k]), ...(of.hull ? [whole(of, k)] : []), ...(from === null ? [] : [abs(difference) < 0.05 ? "" : signed(difference)]),
-      ...shown(k).flatMap(t => [...(T > 2 ? [mark(t)] : []), String(round(of.limits[k * T + t])), chance(scored(of, k, t))])];
+      ...shown(k).flatMap(t => [...(T > 2 ? [mark(t)] : []), limitText(of, k, t) + (tells(of, k, t) ? "" : "*"), stops(of, k, t)])];
     body.append(html("tr", {}, html("td", {}, html("span", {}, html("span", { class: colour }, sign), " ", armour(of, k))), ...cells.map((cell, i) => html("td", { "data-label": heads[i + 1] }, html("span", {}, cell)))));
     const words = command(of, k), code = html("code", {}, ...parts(words));
     const remove = pinned ? button("Remove", () => { state.pins = state.pins.filter(p => p !== pinned); draw(); }) : null;
     body.append(html("tr", { class: "command" }, html("td", { colspan: heads.length }, code, button("Copy", made => copy(words, code, made)), " ", remove)));
   }
   $("table").replaceChildren(html("table", {}, html("thead", {}, html("tr", {}, ...heads.map(each => html("th", { scope: "col" }, each)))), body));
+  if (body.textContent.includes("*")) $("table").append(html("p", { class: "soft" }, "* by the model"));
 }
 function drawNotes(pair) {
   const said = [
     DATA.answer.length && `As the scenario asks: ${DATA.answer.join("; ")}.`,
-    pair.known && `Probabilities of ${pair.name} rest on: ${pair.source}.`,
-    "Probabilities are those of one shot and of the error of the model, as the evidence gives it; they are no probability of survival.",
+    pair.known && `Probabilities of ${pair.name} rest on: ${[...new Set(pair.tested.flatMap(tests => tests?.threats.map(each => each.source) ?? []))].filter(Boolean).join("; ")}.`,
     `${pair.onOffer.length.toLocaleString("en")} designs of this pair are ${pair.free.some(Boolean) ? "shown" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
-    pair.known && pair.unknown.includes(1) && "Grey: the probability is unknown, as such thicknesses are too unlike the tests.",
-    ...DATA.notes, `armour ${DATA.version}${DATA.title ? `; scenario: ${DATA.title}` : ""}`,
+    ...DATA.notes,
   ];
   $("notes").replaceChildren(...said.filter(Boolean).map(each => html("p", {}, each)));
 }
 
+const COLOURS = ["t-red", "t-red", "t-yellow", "", "", "t-green"];
 let frame = null;
 function draw() {
   frame = null;
   const pair = current(), found = answer(pair), best = found.k, ring = even(pair);
-  $("headline").textContent = headline(pair, found);
+  $("headline").textContent = headline(pair, best);
+  $("verdict").textContent = best === null ? "" : sentence(pair, best);
+  $("verdict").className = best === null ? "" : COLOURS[judged(pair, best)];
   $("beside").textContent = besides(pair, best, ring);
   drawMap(pair, best, ring);
   drawPairs();
@@ -859,17 +869,8 @@ function keyed(event) {
 }
 function start() {
   DATA.pairs.forEach(decoded);
-  // The pair of materials that comes first is the one with the lightest design that is known to do what is asked.
-  const rank = ["", "not known", "none passes", "single", "no metal"], found = DATA.pairs.map((p, n) => [n, p, answer(p)]).filter(([, , a]) => a.k !== null);
-  const lacks = ([, p, { k }]) => max(...threats.map((_, t) => lack(p, k, t)));
-  found.sort((a, b) => {
-    const [[, p, { k, reason }], [, q, other]] = [a, b];
-    if (reason === "none passes" && other.reason === reason) return lacks(a) - lacks(b);
-    return rank.indexOf(reason) - rank.indexOf(other.reason) || isKnown(q, other.k) - isKnown(p, k) || p.areal[k] - q.areal[other.k];
-  });
-  state.pair = found.length ? found[0][0] : 0;
-  $("about").textContent = DATA.subject;
-  for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `ballistic limit against ${mark(t)}` : "ballistic limit"));
+  state.pair = DATA.pairs.map((p, n) => [p, answer(p), n]).sort(better)[0][2];
+  for (let t = 0; t < T; t++) $("lines").append(html("option", { value: t }, T > 1 ? `limit against ${mark(t)}` : "limit"));
   $("lines").append(html("option", { value: "none" }, "areal density only"));
   makeSliders();
   on($("lines"), "change", () => { state.lines = $("lines").value; draw(); });

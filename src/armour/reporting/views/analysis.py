@@ -1,13 +1,16 @@
-"""Tables of impacts, of ballistic limits and of the probability that an armour stops its threat."""
+"""Answers on one armour: an impact, its ballistic limit, and the probability that it stops a shot."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import History, ImpactResult
 from armour.analysis.results import EachResult
+from armour.evidence.tests import armours_of, far_from_tests
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, in_a_line, line_of, tables_of
-from armour.reporting.table import Column, Source, Table, VerdictLine, interval, rows_csv
+from armour.reporting.table import Column, Source, Table, VerdictLine, between, rows_csv
+from armour.validation.tested import limits_measured
 
 
 class StageWords(NamedTuple):
@@ -19,66 +22,116 @@ class StageWords(NamedTuple):
 
 
 STAGES = {
-    "i": StageWords("impact", "intact ceramic", "intact ceramic; penetrator erodes"),
-    "ii.1": StageWords("ceramic fragments", "fragmented ceramic", "fragmented ceramic; penetrator erodes"),
-    "ii.2": StageWords("front held", "ceramic carried or held", "ceramic carried or held (dwell); penetrator erodes"),
-    "ii.3": StageWords("erosion ends", "ceramic, rigid penetrator", "ceramic; penetrator rigid"),
-    "iii.1": StageWords("penetrator erodes", "plate, eroding penetrator", "plate; penetrator erodes"),
-    "iii.2": StageWords("front held", "plate carried or held", "plate carried or held (dwell); penetrator erodes"),
-    "iii.3": StageWords("erosion ends", "plate, rigid penetrator", "plate; penetrator rigid"),
-    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried; penetrator rigid"),
-    "iii.5": StageWords("ceramic moves along", "ceramic carried along", "fragmented ceramic carried; penetrator rigid"),
+    "i": StageWords("impact", "intact tile", "tile intact, penetrator erodes"),
+    "ii.1": StageWords("tile fragments", "fragmented tile", "tile in fragments, penetrator erodes"),
+    "ii.2": StageWords("front held", "dwell on the tile", "dwell on the tile, penetrator erodes"),
+    "ii.3": StageWords("erosion ends", "tile, rigid penetrator", "tile, penetrator rigid"),
+    "iii.1": StageWords("penetrator erodes", "plate, eroding penetrator", "plate, penetrator erodes"),
+    "iii.2": StageWords("front held", "dwell on the plate", "dwell on the plate, penetrator erodes"),
+    "iii.3": StageWords("erosion ends", "plate, rigid penetrator", "plate, penetrator rigid"),
+    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried along"),
+    "iii.5": StageWords("tile moves along", "tile carried along", "fragments carried along"),
 }
 
 
 @tables_of.register
 def tables_of_each(result: EachResult) -> list[Table | str]:
-    """Return the tables of several results, those of each below its name, and why there are no others."""
-    shown: list[Table | str] = []
+    """Return a line for each of several results and, with `every_row`, its tables; and why others have none."""
+    shown, every_row = list[Table | str](), result.question.get("every_row")
     for name, part in result.results.items():
-        shown += [f"{name}: {part.heading()[0]}", *by_result(tables_of, part)(part)]
+        part.of(every_row=every_row)
+        line, *rest = by_result(tables_of, part)(part)
+        shown += [VerdictLine(f"{name}: {line}", good=getattr(line, "good", None)), *(rest if every_row else ())]
     return [*shown, *(f"{name}: {reason}" for name, reason in result.unanswered.items())]
 
 
 @tables_of.register
 def tables_of_impact(result: ImpactResult) -> list[Table | str]:
-    """Return the outcome of an impact, its probability if computed, what remains of the projectile, and the stages."""
-    is_good = result.outcome == "stopped" and not phrases.said_of(result.notes, "not known")
-    parts: list[Table | str] = [VerdictLine(in_a_line(result), good=is_good)]
-    if (confidence := result.question.get("confidence")) is not None:
-        parts += tables_of_confidence(confidence)
+    """Return the outcome of an impact, the limit, what is left of the penetrator, and the stages.
+
+    With `every_row` in the question, return also the armour, and what the probability rests on.
+    """
+    unknown = _unknown(result)
+    confidence: ConfidenceResult | None = result.question.get("confidence")
+    left = [f"{result.residual_length_mm:.1f} mm and {result.residual_mass_g:.2f} g"]
+    left += [f"plug {result.plug_velocity_m_s:.0f} m/s"] if result.plug_velocity_m_s else []
+    left += [f"bulge {result.bulge_height_mm:.1f} mm, after {result.duration_us:.0f} µs"]
+    facts = {"by the model": _by_model(result)} if unknown else {}
+    facts["limit"] = "" if confidence is None else _limit_words(confidence, result.outcome)
+    facts["left"] = "; ".join(left)
+    caveats = [caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown]
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
+    shown += [Table.of_facts(facts), *far_of(result) * (not unknown), *caveats, stage_table(result)]
+    if not result.question.get("every_row"):
+        return shown
+    depth = f"{result.penetration_depth_mm:.1f} mm below the front face"
+    shown.append(Table.of_facts({"armour": armour_words(result), "depth": depth}))
+    if confidence is not None:
+        shown += phrases.basis_notes(confidence)
         distributed = result.question["scenario"].uncertainty
         if confidence.model_error is None and distributed is not None and distributed.inputs():
-            parts.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
-    before = map(Column.of, ("residual_length_mm", "residual_mass_g"))
-    plug = Column.of("plug_velocity_m_s"), result.plug_velocity_m_s or None
-    after = map(Column.of, ("penetration_depth_mm", "bulge_height_mm", "duration_us", "areal_density_kg_m2"))
-    return [*parts, Table.of_one(result, *before, plug, *after, phrases.WHOLE), stage_table(result)]
+            shown.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
+        elif (exceeds := confidence.probability_v50_exceeds_velocity) is not None:
+            at = f"{result.impact_velocity_m_s:g} m/s"
+            shown.append(f"V50 exceeds {at} with {phrases.chance(exceeds)}; {phrases.scatter(confidence.model_error)}")
+    return shown
+
+
+def far_of(result: ImpactResult | LimitResult) -> list[Table | str]:
+    """Return a line on what of the armour is far from the tests, if anything."""
+    scenario = result.question.get("scenario")
+    return [] if scenario is None else phrases.far_line(far_from_tests(scenario, armours_of(scenario)))
+
+
+def armour_words(result: ImpactResult | LimitResult) -> str:
+    """Return armour and round with the areal density, also that with a back plate that exists already."""
+    words, whole = f"{result.areal_density_kg_m2:.1f} kg/m²", result.whole_areal_density_kg_m2
+    if whole not in (0.0, result.areal_density_kg_m2):
+        words += f" ({whole:.1f} kg/m² with the existing plate)"
+    return ", ".join(filter(None, (result.subject(), words)))
+
+
+def _limit_words(found: ConfidenceResult, outcome: str) -> str:
+    """Return the limits of an armour by the model and as expected, and the probability that it stops a shot.
+
+    The word "but" marks an expectation that contradicts the `outcome` by the model.
+    """
+    limit = "none found" if found.ballistic_limit_m_s is None else f"{found.ballistic_limit_m_s:.0f} m/s by the model"
+    reason = "" if phrases.said_of(found.notes, "not known") else found.reason.partition(";")[0]
+    if (probability := found.probability_of_stopping) is None:
+        return "; ".join(filter(None, (limit, reason)))
+    stops = f"stops a shot with {phrases.chance(probability, found.model_error)}"
+    if found.expected_limit_m_s is None:
+        return f"{limit}; {stops}"
+    joint = ";" if (probability >= 0.5) == (outcome == "stopped") else ", but"
+    return f"{limit}{joint} {found.expected_limit_m_s:.0f} m/s expected, {stops}"
 
 
 @line_of.register
 def impact_in_a_line(result: ImpactResult) -> str:
-    """Return the outcome of an impact with the caveats of the model or, if it is not known, the reason."""
-    stopped = result.outcome == "stopped"
-    outcome = result.outcome + ("" if stopped else f", residual velocity {result.residual_velocity_m_s:.0f} m/s")
-    unknown = phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
-    words = [f"not known: {result.outcome} by the model, but {reason}" for reason in unknown] or [outcome]
-    return "; ".join([*words, *(caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown)])
+    """Return the outcome of an impact by the model or, if it is not known, the reason."""
+    reasons = _unknown(result)
+    return f"not known: {'; '.join(reasons)}" if reasons else _by_model(result).replace(":", " by the model:", 1)
 
 
-def caveat_lines(result: LimitResult) -> list[Table | str]:
-    """Return a line for each caveat of the model on a ballistic limit."""
-    unknown = phrases.said_of(result.notes, "not known")
-    lines = [VerdictLine(f"not known: {words}", good=False) for words in unknown]
-    return [*lines, *phrases.said_of(result.notes)]
+def _unknown(result: ImpactResult) -> list[str]:
+    """Return why the outcome is not known, though the model gives one."""
+    return phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
+
+
+def _by_model(result: ImpactResult) -> str:
+    """Return the outcome by the model, with the residual velocity or the depth."""
+    if result.outcome == "stopped":
+        return f"stopped: {result.penetration_depth_mm:.1f} mm deep"
+    return f"perforated: {result.residual_velocity_m_s:.0f} m/s left of {result.impact_velocity_m_s:g} m/s"
 
 
 def stage_table(result: ImpactResult) -> Table:
-    """Tabulate the stages of an impact: times, and what the projectile loses of velocity, length and energy in each."""
-    description: Source = Column("description", prose=True), lambda record: STAGES[record.stage].words
-    numbers = Column.of_each(start_us=".1f", end_us=".1f", velocity_lost_m_s=".0f", length_lost_mm=".1f")
-    energy = Column("energy lost", "J", ".0f", key="energy_lost_J")
-    return Table.of(result.stages, Column.of("stage"), description, *numbers, energy)
+    """Tabulate the stages of an impact: what happens, until when, and what the penetrator loses in each."""
+    happens: Source = Column("what happens", prose=True), lambda record: STAGES[record.stage].words
+    lost = Column("lost", "m/s", ".0f", key="velocity_lost_m_s"), Column("", "mm", ".1f", key="length_lost_mm")
+    energy = Column("", "J", ".0f", key="energy_lost_J")
+    return Table.of(result.stages, Column.of("stage"), happens, Column.of("end_us", ".1f", "until"), *lost, energy)
 
 
 def history_csv(result: ImpactResult) -> str | None:
@@ -96,9 +149,13 @@ def crossing_table(result: LimitResult) -> Table:
 
 @line_of.register
 def limit_in_a_line(result: LimitResult) -> str:
-    """Return the ballistic limit with its interval and the caveats of the model."""
-    ends = "" if result.interval_m_s is None else f", 95 % interval {interval(result.interval_m_s, '.0f')} m/s"
-    return "; ".join([f"ballistic limit {result.ballistic_limit_m_s:.0f} m/s{ends}", *map(str, caveat_lines(result))])
+    """Return the ballistic limit by the model, and the expected one with its interval or why it is not known."""
+    limit = f"{result.ballistic_limit_m_s:.0f} m/s by the model"
+    if unknown := phrases.said_of(result.notes, "not known"):
+        return f"not known: {'; '.join(unknown)}"
+    if result.expected_limit_m_s is None or result.interval_m_s is None:
+        return limit
+    return f"{limit}; {result.expected_limit_m_s:.0f} m/s expected ({between(0.95, result.interval_m_s, '.0f')} m/s)"
 
 
 @line_of.register
@@ -109,8 +166,10 @@ def history_in_a_line(result: History) -> str:
 
 @line_of.register
 def confidence_in_a_line(result: ConfidenceResult) -> str:
-    """Return the probability of stopping."""
-    return f"{phrases.STOPPING.label} {phrases.chance(result.probability_of_stopping, result.model_error)}"
+    """Return the probability of stopping a shot or why it is not known."""
+    if result.probability_of_stopping is None:
+        return f"not known: {result.reason}"
+    return f"stops a shot with {phrases.chance(result.probability_of_stopping, result.model_error)}"
 
 
 @line_of.register
@@ -121,25 +180,64 @@ def each_in_a_line(result: EachResult) -> str:
 
 @tables_of.register
 def tables_of_limit(result: LimitResult) -> list[Table | str]:
-    """Return the ballistic limit, the model error and the velocities scanned.
+    """Return the ballistic limit, the armour, the tests, and the changes of the outcome if there are several.
 
-    If the outcome changes more than once, a table of the changes follows.
+    With `every_row` in the question, return also the model error and the velocities scanned.
     """
-    low, high = result.scanned_range_m_s
-    below, above = result.bracket_m_s
-    scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-    width = f"bracket width {above - below:.1g} m/s"
-    limits = phrases.BALLISTIC_LIMIT, phrases.with_error(result.median_m_s, result.interval_m_s)
-    table = Table.of_one(result, *limits, Column.of("areal_density_kg_m2"), phrases.WHOLE)
-    parts = [*caveat_lines(result), table, phrases.error_note(result.model_error, result.question.get("scenario"))]
+    is_unknown = bool(phrases.said_of(result.notes, "not known"))
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if is_unknown else None)]
+    limit = f"{result.ballistic_limit_m_s:.0f} m/s by the model" if is_unknown else ""
+    tests = "" if is_unknown else tests_words(result)
+    shown.append(Table.of_facts({"limit": limit, "armour": armour_words(result), "tests": tests}))
+    shown += [*far_of(result) * (not is_unknown), *phrases.said_of(result.notes), *crossings(result)]
+    if result.question.get("every_row"):
+        low, high = result.scanned_range_m_s
+        below, above = result.bracket_m_s
+        scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
+        if (error := result.model_error) is not None:
+            more = *phrases.extrapolation(error), *phrases.tested_here(error)
+            shown.append("; ".join([phrases.size_of(error), *more]))
+        shown.append(f"{scanned}; bracket width {above - below:.1g} m/s")
+    return shown
+
+
+def crossings(result: LimitResult) -> list[Table | str]:
+    """Return where the outcome changes, if it does so more than once."""
     if result.monotonic:
-        return [*parts, f"{scanned}, all above the limit perforate; {width}"]
-    return [*parts, f"{scanned}, the outcome changes {len(result.crossings)} times; {width}", crossing_table(result)]
+        return []
+    return [f"the outcome changes {len(result.crossings)} times", crossing_table(result)]
+
+
+def tests_words(result: LimitResult) -> str:
+    """Return the tests from which the limit is expected, and those of this very armour; or why none are known."""
+    here = measured_here(result)
+    if (error := result.model_error) is None:
+        source = f"not known: {result.reason.partition(';')[0]}" if result.reason else ""
+    else:
+        source = error.source.replace(" tests of ", " of ", 1)
+    return "; ".join(
+        filter(None, (source, f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""))
+    )
+
+
+def measured_here(result: LimitResult) -> list[float]:
+    """Return the ballistic limits, m/s, that tests measured of this very armour against this round."""
+    if result.model_error is not None and result.model_error.tests_here is not None:
+        return [*result.model_error.tests_here.limits_m_s]
+    return limits_measured(result.question["scenario"]) if "scenario" in result.question else []
+
+
+def limits_in_words(limits_m_s: Sequence[float]) -> str:
+    """Return velocities in words: at most three, or else their range."""
+    if len(limits_m_s) > 3:
+        return f"{min(limits_m_s):.0f} to {max(limits_m_s):.0f} m/s"
+    return f"{', '.join(f'{limit:.0f}' for limit in limits_m_s)} m/s"
 
 
 @tables_of.register
 def tables_of_confidence(result: ConfidenceResult) -> list[Table | str]:
-    """Return the probability of stopping with the ballistic limit, and what it rests on."""
-    limit, probability = phrases.with_error(result.median_m_s, result.interval_m_s), result.probability_of_stopping
-    stopping = phrases.STOPPING, None if probability is None else phrases.chance(probability, result.model_error)
-    return [Table.of_one(result, phrases.BALLISTIC_LIMIT, limit, stopping), *phrases.basis_notes(result)]
+    """Return the probability of stopping a shot with the ballistic limit, and what it rests on."""
+    limit = "" if result.ballistic_limit_m_s is None else f"{result.ballistic_limit_m_s:.0f} m/s by the model"
+    if result.expected_limit_m_s is not None:
+        limit += f"; {result.expected_limit_m_s:.0f} m/s expected"
+    return [VerdictLine(in_a_line(result)), Table.of_facts({"limit": limit}), *phrases.basis_notes(result)]

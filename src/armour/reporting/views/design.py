@@ -1,399 +1,211 @@
-"""Tables of design searches, and of checks of one armour against each of its threats."""
+"""Answers on armours: a verdict in a line, and the facts that it rests on; the details are for -v."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
-from itertools import compress
+from collections.abc import Iterator, Mapping, Sequence
 from math import inf
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.variants import outside_words
 from armour.design.against import Moved
-from armour.design.check import CheckedThreat, CheckResult
+from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding
 from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
-from armour.errors import counted, joined
-from armour.evidence.tests import THIN, TOO_THIN, armours_of, threat_warnings
+from armour.design.requirements import GOOD, VERDICTS, Verdict
+from armour.errors import counted
 from armour.reporting import words as phrases
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.report import Report, ReportSection, section_of
-from armour.reporting.table import Column, Source, Table, VerdictLine, csv_text, interval, of_part, percent
+from armour.reporting.table import Column, Source, Table, VerdictLine, beside, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, DesignSection, InertLayer
+from armour.scenario.schema import OBJECTIVES, InertLayer
 
-# Rows of the frontier that are shown by default.
-FRONTIER_ROWS = 5
-AREAL_DENSITY = Column.of("areal_density_kg_m2")
-# At most 3 decimals; `_aligned` drops those that no thickness of a table needs.
-CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
+AREAL_DENSITY, COST = Column.of("areal_density_kg_m2"), Column.of("cost_per_m2", ".0f")
 THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
-COST = Column.of("cost_per_m2", ".0f")
-LIMIT_COLUMN = Column.of("ballistic_limit_m_s", label="limit")
-GOVERNED_BY = Column("governed by", prose=True)
-# Called so because the actual margin also depends on the model error.
-MARGIN_BY_MODEL = Column.of("margin_m_s", "+.0f", "margin by the model")
+CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
+MARGIN = Column.of("margin_m_s", "+.0f", "least margin")
+OBJECTIVE_WORDS = {column.key: column for column in (AREAL_DENSITY, THICKNESS, COST, MARGIN)}
 OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
-NEEDED = Column("flow stress needed", "GPa", ".1f")
-SOURCES, METAL = "flow_stress_sources", "backing_density_kg_m3"
-METALS = (
-    "the model gives the strength of the back plate more effect than the paper has: do not rely on this comparison of "
-    "metals of different strength"
-)
+LIMIT, STOPS, VERDICT = Column("limit, m/s", prose=True), Column("stops", prose=True), Column("verdict", prose=True)
+# Designs within 1 % of the best that a line names.
+MOST_NAMED = 3
+BY_MODEL = "* by the model: no test of such an armour"
+METALS = "do not compare metals of different strength: the model exaggerates it"
 # Words for the places of layers without ballistic effect, and for those without a name.
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
 UNNAMED = "added for adhesive or cover"
-# Words of the reasons why there is no best design.
-NONE = {"none passes": "none passes; the nearest", "not known": "none is known to pass; the nearest"}
 
 
-def _needed(design: BestDesign) -> NeededFlowStress | None:
-    """Return what flow stress the untested ceramic of a design needs against the threat that needs the greatest."""
-    return max(design.flow_stress.values(), key=lambda needed: needed.needed_GPa or inf, default=None)
-
-
-def _aligned(table: Table) -> Table:
-    """Return a table with the same number of decimals for all thicknesses, no more than needed."""
-    aligned = [column in (CERAMIC_THICKNESS, BACKING_THICKNESS, THICKNESS) for column in table.columns]
-    texts = [text for row in table.texts() for text in compress(row, aligned)]
-    decimals = max((len(text.rstrip("0").partition(".")[2]) for text in texts), default=0)
-    columns = zip(table.columns, aligned, strict=True)
-    return replace(table, columns=tuple(replace(c, spec=f".{decimals}f") if chosen else c for c, chosen in columns))
-
-
-def frontier_table(result: DesignResult, rows: slice) -> Table:
-    """Tabulate, for some back plates of the best pair, the thinnest ceramic that passes.
-
-    Notes mark the best design and ceramics at the least thickness on offer.
-    """
-    designs, governing = result.frontier[rows], result.frontier_governed_by[rows]
-
-    def note(design: Design) -> str:
-        marks = [OBJECTIVES[result.minimised].least] if layers_of(design) == layers_of(result.shown) else []
-        return ", ".join([*marks, *["least of the range"] * (design.ceramic_thickness_mm == result.ceramic_min_mm)])
-
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, phrases.WHOLE
-    table = Table.of(
-        zip(designs, governing, strict=True),
-        *of_part(itemgetter(0), *numbers, outside_tests(designs)),
-        *[(GOVERNED_BY, itemgetter(1))] * (len(result.threats) > 1),
-        *of_part(itemgetter(0), (Column("note"), note)),
-        title=f"{pair_words(result.shown)}: thinnest ceramic for each back plate" if len(result.pairs) > 1 else "",
-    )
-    return _aligned(table)
-
-
-def _around_best(result: DesignResult) -> slice:
-    """Return the `FRONTIER_ROWS` rows of the frontier around the best design."""
-    places, best = [*map(layers_of, result.frontier)], layers_of(result.shown)
-    middle = places.index(best) if best in places else 0
-    first = max(min(middle - FRONTIER_ROWS // 2, len(places) - FRONTIER_ROWS), 0)
-    return slice(first, first + FRONTIER_ROWS)
-
-
-def left_out(result: DesignResult) -> str:
-    """Return a note on the back plates without a row in the frontier, because no ceramic on them passes."""
-    plates = result.without_mm
-    ends = dict.fromkeys((f"{plates[0]:g}", f"{plates[-1]:g}"))
-    return f"no ceramic passes on {counted(len(plates), 'back plate')}, {' to '.join(ends)} mm"
-
-
-# The layers, which distinguish a design from others.
-layers_of = attrgetter("ceramic", "backing", "ceramic_thickness_mm", "backing_thickness_mm")
-
-
-def pair_table(result: DesignResult) -> Table:
-    """Tabulate every pair of materials with its best design or, without one, the nearest."""
-    designs = [pair.best or pair.nearest for pair in result.pairs]
-    numbers = AREAL_DENSITY, THICKNESS, COST, LIMIT_COLUMN, phrases.WHOLE
-    needed: Source = NEEDED, lambda design: phrases.needed_words(_needed(design))
-    table = Table.of(
-        zip(result.pairs, designs, strict=True),
-        (Column("armour", prose=True), lambda row: armour_in_words(row[1]) if row[1] else pair_words(row[0])),
-        *of_part(itemgetter(1), *numbers, needed, outside_tests([*filter(None, designs)])),
-        (Column("result", prose=True), lambda row: _result(result, row[0])),
-        title="pairs of materials",
-        rest="--json",
-    )
-    return _aligned(table)
-
-
-def front_table(designs: Sequence[DesignOfFront]) -> Table:
-    """Tabulate the designs of a Pareto front."""
-    armour = Column("armour", prose=True), armour_in_words
-    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, MARGIN_BY_MODEL, outside_tests(designs)
-    return _aligned(Table.of(designs, *columns, title="Pareto front", rest="--csv FILE"))
-
-
-def outside_tests(items: Sequence[Any]) -> tuple[Column, Callable[[Any], str]]:
-    """Return the column with the quantities in which each item, a design or a threat, lies outside the tests.
-
-    Quantities in which all items lie outside alike are left to `outside_notes`.
-    """
-    common, is_any = in_common([item.outside_tests for item in items]), any(item.outside_tests for item in items)
-
-    def words(item: Any) -> str:
-        own = {key: factor for key, factor in item.outside_tests.items() if key not in common}
-        return outside_words(own, most=2) if item.outside_tests or not is_any else "inside"
-
-    return OUTSIDE, words
-
-
-def best_of_pairs(result: DesignResult) -> list[BestDesign]:
-    """Return the best design of each pair of materials that has one."""
-    return [pair.best for pair in result.pairs if pair.best is not None]
-
-
-def pair_caveats(result: DesignResult) -> list[str]:
-    """Return the caveats of the model on pairs other than the best, and on comparing metals of different strength."""
-    metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
-    return phrases.said_of(result.notes, "pairs") + [METALS] * (len(metals) > 1)
-
-
-def in_common(every: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return the quantities in which all of several designs lie outside the tests by the same factor."""
-    first, *others = every or [{}]
-    return {key: factor for key, factor in first.items() if all(each.get(key) == factor for each in others)}
-
-
-def outside_notes(items: Sequence[Any]) -> list[str]:
-    """Return a note on the quantities in which all items, designs or threats, lie outside the tests, if any."""
-    common = outside_words(in_common([item.outside_tests for item in items]))
-    return [f"{'all lie ' * (len(items) > 1)}outside the tests in {common}"] if common else []
-
-
-def thin_designs(designs: Iterable[Design], scenario: Scenario | None) -> list[str]:
-    """Return notes on the least ceramic thickness tested, if any design is thinner: of the one that lacks the most."""
-    thin = [design for design in designs if design.outside_tests.get(THIN, 1.0) < 1.0]
-    if not thin or scenario is None:
-        return []
-    most = max(thin, key=lambda design: design.ceramic_thickness_mm / design.outside_tests[THIN])
-    layers = {"ceramic": most.ceramic, "backing": most.backing}
-    layers |= {f"{role}_thickness_mm": getattr(most, f"{role}_thickness_mm") for role in layers}
-    armour = scenario.replaced({f"armour.{key}": value for key, value in layers.items()})
-    notes = threat_warnings(armour, armours_of(*map(armour.against, armour.threats())))
-    return [note.text for note in notes if note.about[:1] == (TOO_THIN,)]
-
-
-def _result(result: DesignResult, pair: Pair) -> str:
-    """Return how the best design of a pair compares with the best of all or, without one, what the nearest lacks."""
-    objective, scenario = OBJECTIVES[result.minimised], result.question.get("scenario")
-    section = (scenario and scenario.design) or DesignSection()
-    if pair.best is None:
-        within = f"none within {section.runners_up_percent:g} % of the best passes"
-        return within if pair.nearest is None else _outcome(pair.nearest.check)
-    excess, words = pair.excess_percent, objective.least
-    if excess is None:
-        words = objective.more
-    elif excess:
-        is_close = pair.ranked and excess <= section.runners_up_percent
-        words = "runner-up: " * is_close + f"{abs(excess):.1f} % {objective.more if excess > 0.0 else objective.less}"
-    elif result.reason or pair.best.model_error is None:
-        words += " by the computed limit"
-    lacks = any(row.quantity == SOURCES for row in pair.best.requirements)
-    reason = "" if pair.ranked else "fewer than two sources of its flow stress: " if lacks else "no test: "
-    return reason + words
-
-
-def design_csv(result: DesignResult) -> str:
-    """Format designs as CSV: the Pareto front; without one, the frontier."""
-    untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST
-    margin = [MARGIN_BY_MODEL] * bool(result.pareto)
-    outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
-    designs = result.pareto or result.frontier
-    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, outside))
-
-
-@tables_of.register
-def tables_of_design(result: DesignResult) -> list[Table | str]:
-    """Return the lines of the check of the best design, and then what only a search knows, see `tables_of_search`."""
-    result.shown.check.of(every_row=result.question.get("every_row"))
-    _, *checked = tables_of_check(result.shown.check)
-    return [VerdictLine(in_a_line(result), good=not result.reason), *checked, *tables_of_search(result)]
-
-
-def tables_of_search(result: DesignResult) -> list[Table | str]:
-    """Return the frontier or a row for each pair of materials, and the Pareto front."""
-    shown, verbose = list[Table | str](), result.question.get("every_row")
-    named: list[Design] = [*best_of_pairs(result), *result.pareto]
-    if len(result.pairs) > 1 or not all(pair.ranked for pair in result.pairs):
-        best = best_of_pairs(result)
-        shown += [pair_table(result), *(outside_notes(best) if len(best) > 1 else ()), *pair_caveats(result)]
-    if result.frontier and (len(result.pairs) == 1 or verbose):
-        rows = slice(None) if verbose else _around_best(result)
-        part = result.frontier[rows]
-        shown += [frontier_table(result, rows), *outside_notes(part)]
-        named += part
-        more = len(result.frontier) - len(part)
-        shown += [f"{more} more back plates with -v"] if more else []
-        shown += [left_out(result)] if result.without_mm else []
-    if result.pareto:
-        shown += [front_table(result.pareto), *(note for note in outside_notes(result.pareto) if note not in shown)]
-    is_said = result.shown.outside_tests.get(THIN, 1.0) < 1.0
-    thin = [] if is_said else thin_designs(named, result.question.get("scenario"))
-    return [*shown, *thin, f"{counted(result.designs, 'design')} computed"]
-
-
-# Columns of the objectives by key, with more digits than in the tables above, so that close designs differ.
-OBJECTIVE_SPECS = {AREAL_DENSITY: ".2f", THICKNESS: ".5g", COST: ".2f", MARGIN_BY_MODEL: "+.1f"}
-OBJECTIVE_WORDS = {column.key: replace(column, spec=spec) for column, spec in OBJECTIVE_SPECS.items()}
-
-
-@line_of.register
-def design_in_a_line(result: DesignResult) -> str:
-    """Return the best design or, without one, the nearest in a line, with the verdict on it."""
-    shown, objective = result.shown, OBJECTIVES[result.minimised]
-    value = OBJECTIVE_WORDS[result.minimised].with_unit(getattr(shown, result.minimised))
-    value = f"cost {value} per m²" if result.minimised == COST.key else value
-    name = NONE[result.reason] if result.reason else objective.least
-    return f"{name}: {armour_in_words(shown)}, {value}; {in_a_line(shown.check)}"
-
-
-def pair_words(design: Design | Pair) -> str:
-    """Return the materials of a design, such as "AD85 on 6061-T6"."""
-    return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
-
-
-PROBABILITY = Column("probability", prose=True)
-INTERVAL = Column("95 % interval", "m/s", prose=True)
-MARGIN = Column.of("margin_m_s", "+.0f")
-# Verdicts as shown; "fails" is in capitals so that nobody overlooks it.
-NONE_REQUIRED = "no probability is required"
-VERDICTS = {"passes": "passes", "fails": "FAILS", "not known": "not known"}
-
-
-def required(threat: CheckedThreat) -> str:
-    """Return what is required of an armour against a threat, such as "at least 95 % and a margin of 20 m/s"."""
-    margin = f" and a margin of {threat.required_margin_m_s:g} m/s" if threat.required_margin_m_s else ""
-    if threat.required_probability is not None:
-        return f"at least {percent(threat.required_probability)}{margin}"
-    return f"{threat.velocity_m_s:g} m/s{margin}"
-
-
-def finding(threat: CheckedThreat) -> str:
-    """Return what an armour achieves against a threat, its probability of stopping or ballistic limit, and the aim.
-
-    Where the verdict is "not known", end with the reason.
-    """
-    limit, needed = threat.ballistic_limit_m_s, threat.velocity_m_s + threat.required_margin_m_s
-    by_model = "no ballistic limit found" if limit is None else f"ballistic limit by the model {limit:.0f} m/s"
-    rows = threat.requirements
-    if rows and rows[0].quantity == METAL:
-        return phrases.requirement_words(rows[0])
-    words = [phrases.requirement_words(row) for row in rows if row.verdict == threat.verdict]
-    if threat.required_probability is None:
-        probability = phrases.chance(threat.probability_of_stopping, threat.model_error)
-        words = [phrases.requirement_words(row) for row in rows if row.quantity != "margin_m_s"]
-        words.insert(0, f"{by_model}, {required(threat)} required; probability {probability}")
-    elif threat.probability_of_stopping is None:
-        words.append(f"{by_model}, {needed:g} m/s required")
-    failing = [row.quantity for row in rows if row.verdict == "fails"]
-    if limit is not None and limit >= needed and "margin_m_s" in failing:
-        words.append(f"perforated at {needed:g} m/s, within the tolerance of the limit")
-    return "; ".join([*words, *[threat.reason] * says_reason(threat)])
-
-
-def says_reason(threat: CheckedThreat) -> bool:
-    """Return whether the verdict on an armour against a threat is "not known" as its probability is unknown."""
-    unknown = (row.found is None and row.verdict == "not known" for row in threat.requirements)
-    return threat.verdict == "not known" and any(unknown)
-
-
-def requirement_table(result: CheckResult) -> Table:
-    """Tabulate all requirements on an armour, with what it has and the verdict on each."""
-    rows = []
-    for row in result.all_requirements():
-        name, asked, found = phrases.requirement_parts(row)
-        by_limit = row.quantity == "probability_of_stopping" and row.found is None and row.verdict == "fails"
-        found += ", and the limit does not suffice" * by_limit
-        rows.append((name, row.threat if len(result.threats) > 1 else "", asked, found, VERDICTS[row.verdict]))
-    words = (Column(label, prose=True) for label in ("required", "against"))
-    return Table.of_rows([*words, *map(Column, ("asked for", "found", "verdict"))], rows)
-
-
-def threat_table(result: CheckResult) -> Table:
-    """Tabulate the threats: ballistic limit with its interval, margin, probability of stopping and verdict."""
-    return Table.of(
-        result.threats,
-        Column.of("threat", prose=True),
-        LIMIT_COLUMN,
-        (replace(INTERVAL, label="interval"), lambda threat: interval(threat.interval_m_s, ".0f")),
-        MARGIN,
-        (PROBABILITY, lambda threat: phrases.chance(threat.probability_of_stopping, threat.model_error)),
-        (Column("verdict"), lambda threat: VERDICTS[threat.verdict]),
-        outside_tests(result.threats),
-    )
-
-
-def what_if_tables(threat: CheckedThreat, title: str) -> list[Table]:
-    """Return a table of what changes to the armour do: probabilities of stopping or, if unknown, margins.
-
-    The first row is the armour as given.  If no velocity perforates the armour, changed or not, there is no table.
-    """
-    as_given = threat.as_given()
-    is_known, rows = as_given.probability_of_stopping is not None, []
-    for each in (as_given, *threat.what_ifs):
-        limit, ends = each.ballistic_limit_m_s, interval(each.interval_m_s, ".0f")
-        margin = None if is_known or limit is None else limit - each.velocity_m_s
-        rows.append((each.change, limit, ends, margin, phrases.chance(each.probability_of_stopping) * is_known))
-    table = Table.of_rows((Column("if", prose=True), LIMIT_COLUMN, INTERVAL, MARGIN, PROBABILITY), rows, title)
-    return [table] if len(table.columns) > 1 else []
+def verdict_word(verdict: Verdict) -> str:
+    """Return a verdict as people read it; FAILS is in capitals so that nobody overlooks it."""
+    return "FAILS" if verdict == "fails" else verdict
+
+
+def at_speed(threat: CheckedThreat) -> str:
+    """Return the name of a threat with its velocity."""
+    speed = f" at {threat.velocity_m_s:g} m/s"
+    return threat.threat if speed in threat.threat else threat.threat + speed
+
+
+def limit_text(threat: CheckedThreat) -> str:
+    """Return the expected limit or, where no tests tell, that by the model, m/s, beside the velocity required."""
+    shown = threat.ballistic_limit_m_s if threat.expected_limit_m_s is None else threat.expected_limit_m_s
+    return "none found" if shown is None else beside(shown, threat.velocity_m_s + threat.required_margin_m_s, 0)
+
+
+def chance_text(threat: CheckedThreat) -> str:
+    """Return the probability of stopping a shot, as exact as the one required."""
+    if threat.sampled is not None and threat.probability_of_stopping is not None:
+        ends = 1.0 - threat.sampled.high, 1.0 - threat.sampled.low
+        value, low, high = phrases.sampled_percents(threat.probability_of_stopping, ends)
+        return f"{value:.1f} % (sampled {low:.1f} to {high:.1f} %)"
+    return phrases.chance(threat.probability_of_stopping, threat.model_error, threat.required_probability)
+
+
+def reasons(threat: CheckedThreat) -> str:
+    """Return why an armour has its verdict against a threat: probability or limit, and what is required."""
+    rows = {row.quantity: row for row in threat.requirements}
+    name, required = at_speed(threat), _required(threat)
+    for unsound in ("backing_density_kg_m3", "interlayers", "flow_stress_sources"):
+        if unsound in rows:
+            return phrases.requirement_words(rows[unsound])
+    margin = rows.get("margin_m_s")
+    if margin is not None and margin.verdict != "passes":
+        kind = "by the model" if threat.expected_limit_m_s is None else "expected"
+        return f"limit {limit_text(threat)} m/s {kind} against {name}; {margin.required:g} m/s above it required"
+    if threat.probability_of_stopping is not None:
+        likely = chance_text(threat)
+        if threat.verdict == "not known" and threat.sampled is None:
+            return f"stops a shot of {name} with at most {likely} so far from the tests ({required})"
+        if threat.verdict == "expected to stop":
+            return f"a shot of {name}, with {likely} ({required})"
+        return f"stops a shot of {name} with {likely} ({required})"
+    limit = "no limit found" if threat.ballistic_limit_m_s is None else f"limit {limit_text(threat)} m/s"
+    if "by the model" in threat.verdict:
+        return f"{name}, {limit}"
+    is_stopped = threat.verdict != "fails" and (threat.margin_m_s is None or threat.margin_m_s >= 0.0)
+    by_model = f"{name} {'is stopped' if is_stopped else 'perforates'} by the model, {limit}"
+    return f"{threat.reason.partition(';')[0]}; {by_model}" if threat.verdict == "not known" else by_model
+
+
+def _required(threat: CheckedThreat) -> str:
+    asked = threat.required_probability
+    return "none required" if asked is None else f"{percent(asked)} required"
 
 
 @line_of.register
 def check_in_a_line(result: CheckResult) -> str:
-    """Return the verdict on an armour in a line, with the requirements not met and the caveats of the model."""
-    unknown = phrases.said_of(result.notes, "not known") * (len(result.threats) > 1)
-    return "; ".join([_outcome(result), *unknown, *phrases.said_of(result.notes)])
+    """Return the verdict on an armour in a line, with what decides about it."""
+    unmet = [row for row in result.requirements if row.verdict == result.verdict]
+    if unmet and result.verdict in ("fails", "not known"):
+        return f"{verdict_word(result.verdict)}: {'; '.join(map(phrases.requirement_words, unmet))}"
+    alike = len({threat.verdict for threat in result.threats}) == 1 < len(result.threats)
+    words = f"{verdict_word(result.verdict)}{' against every threat' * alike}: {reasons(deciding(result))}"
+    kept = result.requirements or any(threat.required_margin_m_s for threat in result.threats)
+    is_neutral = result.verdict in GOOD and result.verdict != "passes"
+    return f"{words}; keeps all limits of [design]" if kept and is_neutral else words
 
 
-def _outcome(result: CheckResult) -> str:
-    """Return the verdict on an armour with the requirements not met, without caveats."""
-    unmet = [row for row in result.requirements if row.verdict != "passes"]
-    words = [*map(phrases.requirement_words, sorted(unmet, key=lambda row: row.verdict != "fails"))]
-    if len(result.threats) == 1:
-        [threat] = result.threats
-        words += [] if words and threat.verdict == "passes" else [finding(threat)]
-        return f"{VERDICTS[result.verdict]}: {'; '.join(words)}"
-    if result.verdict == "passes":
-        by_model = all(threat.required_probability is None for threat in result.threats)
-        return f"passes against every threat{' by the computed limit' if by_model else ''}"
-    missed = {}
-    for verdict in ("fails", "not known"):
-        if threats := [threat for threat in result.threats if threat.verdict == verdict]:
-            reasons = "; ".join(dict.fromkeys(threat.reason for threat in threats if says_reason(threat)))
-            against = f"{VERDICTS[verdict]} against {joined([threat.threat for threat in threats])}"
-            missed[verdict] = ": ".join(filter(None, (against, reasons)))
-    if result.verdict in missed:
-        return "; ".join([*missed.values(), *words])
-    return f"{VERDICTS[result.verdict]}: {'; '.join([*words, *missed.values()])}"
-
-
-def standing(threat: CheckedThreat) -> tuple[int, float, float]:
-    """Return a sort key that puts the threats most likely to perforate first, and among equals the least margin.
-
-    A threat of unknown probability comes first if its margin is less than required, and last otherwise.
-    """
-    unlimited = -inf if threat.verdict == "fails" else inf
-    margin = unlimited if threat.margin_m_s is None else threat.margin_m_s - threat.required_margin_m_s
-    if threat.probability_of_stopping is not None:
-        return 1, threat.probability_of_stopping, margin
-    return (0 if margin < 0.0 else 2), margin, 0.0
+def verdict_line(result: CheckResult) -> VerdictLine:
+    """Return the verdict on an armour in a line, with the colour of its verdict; neutral ones have none."""
+    good = {"passes": True, "fails": False, "perforated by the model": False}.get(result.verdict)
+    return VerdictLine(in_a_line(result), good=good, unsure=result.verdict == "not known")
 
 
 def amounts(result: CheckResult) -> str:
-    """Return areal density, thickness and cost of an armour in a line.
+    """Return areal density, thickness and cost of an armour in a line, with the most that is allowed of each."""
+    most, words = {row.quantity: row.required for row in result.requirements}, []
+    for key, before, unit in (
+        (AREAL_DENSITY.key, "", " kg/m²"),
+        (THICKNESS.key, "", " mm"),
+        (COST.key, "cost ", " per m²"),
+    ):
+        if (value := getattr(result, key)) is not None:
+            text = phrases.amount(key, value, most.get(key, inf))
+            words.append(f"{before}{text}{f' of at most {most[key]:g}' if key in most else ''}{unit}")
+    return ", ".join(words)
 
-    If the back plate exists already, give the first two also with it.
+
+def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Table | str]:
+    """Return what the verdict on an armour rests on: its limit and the tests, or a row for each of several threats.
+
+    `armour` is what stands first, and `also` what other designs are nearly as good.
     """
-    cost = f", cost {COST.text(result.cost_per_m2)} per m²" if result.cost_per_m2 else ""
-    words = f"{AREAL_DENSITY.text(result.areal_density_kg_m2)} kg/m², {round(result.thickness_mm, 3):g} mm thick{cost}"
-    if result.whole_thickness_mm == result.thickness_mm:
+    threat, several, shown = deciding(result), len(result.threats) > 1, list[Table | str]()
+    if several:
+        alike = len({each.verdict for each in result.threats}) == 1
+        shown.append(
+            Table.of(
+                result.threats,
+                (Column("threat", prose=True), lambda each: each.threat.replace(f" at {each.velocity_m_s:g} m/s", "")),
+                Column.of("velocity_m_s", ".0f", "speed"),
+                (LIMIT, lambda each: limit_text(each) + " by the model" * (each.expected_limit_m_s is None)),
+                (STOPS, chance_text),
+                *[(VERDICT, lambda each: verdict_word(each.verdict))] * (not alike),
+            )
+        )
+    rows = {"armour": armour and f"{armour}, {amounts(result)}"}
+    if _is_modelled(threat):
+        rows |= {
+            "limit": "" if several else limit_words(threat),
+            "tests": tests_words(threat),
+            "changed": changes(threat),
+            "needs": needs(threat),
+        }
+    rows["within 1 %"] = also
+    shown.append(Table.of_facts(rows))
+    if _is_modelled(threat):
+        shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
+    return [*shown, *phrases.said_of(result.notes)]
+
+
+def _is_modelled(threat: CheckedThreat) -> bool:
+    """Return whether the model describes the armour, so that its limit means something."""
+    return all(row.quantity not in ("backing_density_kg_m3", "interlayers") for row in threat.requirements)
+
+
+def limit_words(threat: CheckedThreat) -> str:
+    """Return the limit in words, and the speed up to which a shot is stopped with the probability required."""
+    if threat.expected_limit_m_s is None:
+        return "none found" if threat.ballistic_limit_m_s is None else f"{limit_text(threat)} m/s by the model"
+    words = f"{limit_text(threat)} m/s expected"
+    if threat.safe_speed_m_s is None:
         return words
-    whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {round(result.whole_thickness_mm, 3):g} mm"
-    return f"{words}, without the back plate, which exists; {whole} with it"
+    safe = beside(threat.safe_speed_m_s, threat.velocity_m_s, 0)
+    return f"{words}; {percent(threat.required_probability or USUAL_PROBABILITY)} up to {safe} m/s"
+
+
+def tests_words(threat: CheckedThreat) -> str:
+    """Return the tests that the expected limit rests on; own tests of this very armour come first."""
+    error = threat.model_error
+    if error is None:
+        return ""
+    if error.tests_here is not None:
+        first, *_ = phrases.tested_here(error)
+        return first.removeprefix("measured ").replace(" here", " on this very armour")
+    return error.source.replace(" tests", "", 1)
+
+
+def changes(threat: CheckedThreat) -> str:
+    """Return the probability, or else the limit by the model, of an armour with each small change, in a line."""
+    known = threat.probability_of_stopping is not None
+    words = []
+    for each in threat.what_ifs:
+        if known:
+            words.append(f"{each.change} {phrases.chance(each.probability_of_stopping)}")
+        elif each.ballistic_limit_m_s is not None and each.velocity_m_s == threat.velocity_m_s:
+            words.append(f"{each.change} {each.ballistic_limit_m_s:.0f} m/s")
+    return ", ".join(words)
+
+
+def needs(threat: CheckedThreat) -> str:
+    """Return the flow stress that a ceramic without tests needs to stop a threat by the model."""
+    needed = threat.flow_stress
+    if threat.verdict != "not known" or needed is None or needed.needed_GPa is None:
+        return ""
+    sources = " to ".join(f"{each:g}" for each in needed.sources_GPa)
+    found = f"sources give {sources}" if sources else "no source"
+    return f"a flow stress of {needed.ceramic} of {phrases.rounded_up(needed.needed_GPa)} GPa; {found}"
 
 
 def layer_words(layers: Sequence[InertLayer]) -> list[str]:
@@ -408,45 +220,127 @@ def layer_words(layers: Sequence[InertLayer]) -> list[str]:
 
 @tables_of.register
 def tables_of_check(result: CheckResult) -> list[Table | str]:
-    """Return the verdict, the threats and the requirements, and what changes to the armour do.
+    """Return the verdict on an armour and what it rests on; with `every_row` in the question, the details too."""
+    armour = result.question["scenario"].armour_words()
+    return [verdict_line(result), *facts(result, armour=armour), *details(result) * _every_row(result)]
 
-    The changes are for the threat most likely to perforate or, with `every_row` in the question, for each.
-    """
-    several = len(result.threats) > 1
+
+def _every_row(result: Any) -> bool:
+    return bool(result.question.get("every_row"))
+
+
+def next_step(result: CheckResult) -> tuple[str, str]:
+    """Return the command to go on with after a check, or "" if another scenario answers nothing, and other words."""
+    threat = deciding(result)
+    if result.verdict == "passes":
+        return "report", ""
+    if result.verdict == "expected to stop":
+        return "check", f"--probability {USUAL_PROBABILITY:g}"
+    if not _is_modelled(threat):
+        return "", "see docs/what-armour-cannot-do.md"
+    error = threat.model_error
+    if result.verdict in ("not known", "stopped by the model"):
+        return "", "own tests decide: fire a V50 of this armour, then armour calibrate"
+    if error is not None and error.tests_here is not None and len(error.tests_here.limits_m_s) == 1:
+        return "", "a second V50 of this armour narrows it: armour calibrate"
+    return "optimise", ""
+
+
+def details(result: CheckResult) -> list[Table | str]:
+    """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat."""
     scenario = result.question["scenario"]
-    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=result.verdict == "passes"), amounts(result)]
-    shown += [*layer_words(scenario.armour.layer), threat_table(result)]
-    shown += [*outside_notes(result.threats), *phrases.threat_notes(scenario)]
-    if len(result.all_requirements()) > len(result.threats):
-        shown.append(requirement_table(result))
-    explained = result.threats if result.question.get("every_row") else (min(result.threats, key=standing),)
-    for threat in explained:
-        against = f"against {threat.threat}"
-        notes = phrases.basis_notes(threat)[says_reason(threat) :]
-        shown += [f"{against}: {note}" if several else note for note in notes]
-        exact = ", with exact inputs" if threat.sampled else ""
-        shown += what_if_tables(threat, f"with a change{exact}{f', {against}' if several else ''}")
-    if len(explained) < len(result.threats):
-        shown.append("changes against the other threats with -v")
-    return shown
+    shown = [*layer_words(scenario.armour.layer)]
+    if result.whole_thickness_mm != result.thickness_mm:
+        whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
+        shown.append(f"{whole} with the back plate, which exists")
+    tables = [_detail_table(threat) for threat in result.threats if _is_modelled(threat)]
+    notes = []
+    for threat in result.threats:
+        against = f"against {threat.threat}: " * (len(result.threats) > 1)
+        exceeds = threat.probability_v50_exceeds_velocity
+        v50 = [] if exceeds is None else [f"V50 exceeds {threat.velocity_m_s:g} m/s with {phrases.chance(exceeds)}"]
+        notes += [against + note for note in (*v50, *phrases.basis_notes(threat))]
+    return [*shown, *tables, *notes, *phrases.threat_notes(scenario)]
 
 
-def check_report(answers: Sequence[tuple[Scenario, CheckResult]], moved: Sequence[Table | str]) -> Report:
+def _detail_table(threat: CheckedThreat) -> Table:
+    """Return the table of an armour with each small change: limits, interval and probability."""
+    title = at_speed(threat) + ", with exact inputs" * (threat.sampled is not None)
+    return Table.of(
+        (threat.as_given(), *threat.what_ifs),
+        (Column("if", prose=True), attrgetter("change")),
+        (Column("by the model", "m/s", ".0f"), attrgetter("ballistic_limit_m_s")),
+        (Column("expected", "m/s", ".0f"), attrgetter("expected_limit_m_s")),
+        (Column("95 % between", "m/s", prose=True), lambda each: interval(each.interval_m_s, ".0f")),
+        (STOPS, lambda each: phrases.chance(each.probability_of_stopping)),
+        title=title,
+    )
+
+
+def name_of(result: CheckResult) -> str:
+    """Return the name of an offer, or else the file of the armour."""
+    return str(result.question.get("name") or result.question["scenario"].file)
+
+
+def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
+    """Tabulate several armours: what each is, weighs and costs, its limit and its verdict."""
+    items = [(result, deciding(result)) for result in results]
+    table = Table.of(
+        items,
+        (Column("name", prose=True), lambda item: name_of(item[0])),
+        (Column("armour", prose=True), lambda item: item[0].question["scenario"].armour_words()),
+        (Column("kg/m²", spec=".1f"), lambda item: item[0].areal_density_kg_m2),
+        (Column("cost", spec=".0f"), lambda item: item[0].cost_per_m2),
+        (Column("limit", prose=True), lambda item: _marked_limit(item[1])),
+        (STOPS, lambda item: chance_text(item[1])),
+        (VERDICT, lambda item: verdict_word(item[0].verdict)),
+    )
+    return [table, *_by_model(item[1] for item in items)]
+
+
+def _marked_limit(threat: CheckedThreat) -> str:
+    """Return the limit of an armour, marked if it is by the model; "none" where the model does not hold."""
+    if not _is_modelled(threat):
+        return "none"
+    return limit_text(threat) + "*" * (threat.expected_limit_m_s is None and threat.ballistic_limit_m_s is not None)
+
+
+def _by_model(threats: Iterator[CheckedThreat]) -> list[str]:
+    """Return what the mark of a limit by the model means, if any is marked."""
+    return [BY_MODEL] * any(_marked_limit(threat).endswith("*") for threat in threats)
+
+
+def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
+    """Return a line with how many of several armours have each verdict and, of offers, what is required."""
+    found = [result.verdict for result in results]
+    counts = ", ".join(f"{found.count(each)} {verdict_word(each)}" for each in reversed(VERDICTS) if each in found)
+    line = f"{counted(len(found), 'armour')}: {counts}"
+    if "labels" in results[0].question:
+        threats = results[0].threats
+        against = at_speed(threats[0]) if len(threats) == 1 else counted(len(threats), "threat")
+        line += f" ({_required(threats[0])}, {against})"
+    is_good = {*found} <= {*GOOD}
+    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if is_good else False)
+
+
+def check_report(results: Sequence[CheckResult], moved: Sequence[Table | str]) -> Report:
     """Return a short report on checked armours, as for the summary of a CI run.
 
     `moved` has the tables of what moved since an earlier check.
     """
     rows, caveats = [], list[tuple[str, str]]()
-    for scenario, result in answers:
-        parts = [(threat.threat, threat.verdict, finding(threat)) for threat in result.threats]
+    labels = results[0].question.get("labels") or {"offer" if "labels" in results[0].question else "scenario": ""}
+    for result in results:
+        named = [*result.question.get("labels", {}).values()] or [name_of(result)]
+        parts = [(threat.threat, threat.verdict, reasons(threat)) for threat in result.threats]
         parts += [("", row.verdict, phrases.requirement_words(row)) for row in result.requirements]
-        rows += [(scenario.file, threat, VERDICTS[verdict], words) for threat, verdict, words in parts]
-        caveats += [(scenario.file, text) for text in phrases.said_of(result.notes)]
-    columns = [Column(label, prose=True) for label in ("scenario", "threat", "verdict", "why")]
+        rows += [(*named, threat, verdict_word(verdict), words) for threat, verdict, words in parts]
+        caveats += [(name_of(result), text) for text in phrases.said_of(result.notes)]
+    columns = [Column(label, prose=True) for label in (*labels, "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
     sections += [section_of("Since the earlier check", moved)] if moved else []
-    summary = check_summary({scenario.file: result for scenario, result in answers})
-    return Report("Check of armour", summary, tuple(sections), passed=summary.good)
+    good = {result.verdict for result in results} <= {*GOOD}
+    return Report("Check of armour", check_summary(results), tuple(sections), passed=good)
 
 
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
@@ -492,36 +386,163 @@ def quantity_words(quantity: str) -> str:
 def _moved_value(quantity: str, value: float | str | None) -> str:
     """Format a value that moved."""
     if value is None:
-        return "none" if quantity.startswith("required") else "unknown"
+        return "none" if quantity.startswith("required") else "not known"
     if isinstance(value, str):
-        return VERDICTS.get(value, value)
+        return "FAILS" if value == "fails" else value
     return phrases.chance(value) if "probability" in quantity else f"{value:.6g}"
-
-
-def check_summary(results: Mapping[str, CheckResult]) -> VerdictLine:
-    """Return a line with how many of several armours pass, and which do not; `results` has their checks by file."""
-    words = [f"passes: {sum(result.verdict == 'passes' for result in results.values())} of {len(results)}"]
-    for missed in ("fails", "not known"):
-        if files := [file for file, result in results.items() if result.verdict == missed]:
-            words.append(f"{VERDICTS[missed]}: {', '.join(files)}")
-    return VerdictLine("; ".join(words), good=len(words) == 1)
 
 
 def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a check, with a test case for each threat and each limit of [design].
 
-    A threat that holds is skipped if no probability is required, as the model's limit alone does not pass a test.  The
-    output of a case has its numbers and the caveats about the armour.  Names of cases do not contain thicknesses,
-    velocities or angles.  `seconds` is the time of the whole check.
+    A threat that holds is skipped unless its required probability is reached, as nothing else passes.  The output of a
+    case has its numbers and the caveats about the armour.  Names of cases do not contain thicknesses, velocities or
+    angles.  `seconds` is the time of the whole check.
     """
-    file, cases, caveats = scenario.file, list[TestCase](), phrases.said_of(result.notes)
-    for threat in result.threats:
-        holds = "" if threat.required_probability is not None else "skipped"
-        found = holds if threat.verdict == "passes" else "failure"
-        words = f"{VERDICTS[threat.verdict]}: {finding(threat)}" + f"; {NONE_REQUIRED}" * (found == "skipped")
-        cases.append(TestCase(file, threat.name, found, words, file=file, output=[words, *caveats]))
-    for row in result.requirements:
-        words, title = f"{VERDICTS[row.verdict]}: {phrases.requirement_words(row)}", Column.of(row.quantity).label
-        found = "" if row.verdict == "passes" else "failure"
-        cases.append(TestCase(file, title, found, words, file=file, output=[words]))
-    return junit_suite(file, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
+    file, caveats = scenario.file, phrases.said_of(result.notes)
+    group = ": ".join(filter(None, (file, result.question.get("name"))))
+    labels = [f"{name}: {label}" for name, label in result.question.get("labels", {}).items()]
+    parts = [(threat.name, threat.verdict, reasons(threat), caveats) for threat in result.threats]
+    parts += [
+        (Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row), list[str]())
+        for row in result.requirements
+    ]
+    cases = []
+    for name, verdict, why, more in parts:
+        found = {"passes": ""}.get(verdict, "skipped" if verdict in GOOD else "failure")
+        words = f"{verdict_word(verdict)}: {why}"
+        cases.append(TestCase(group, name, found, words, file=file, output=[words, *labels, *more]))
+    return junit_suite(group, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
+
+
+# The layers, which distinguish a design from others.
+layers_of = attrgetter("ceramic", "backing", "ceramic_thickness_mm", "backing_thickness_mm")
+
+
+def pair_words(design: Design | Pair) -> str:
+    """Return the materials of a design, such as "AD85 on 6061-T6"."""
+    return f"{design.ceramic} on {design.backing}" if design.ceramic else design.backing
+
+
+def sizes(design: Design) -> str:
+    """Return the thicknesses of a design, such as "11 on 6 mm"."""
+    layers = design.ceramic_thickness_mm, design.backing_thickness_mm
+    return f"{' on '.join(f'{round(mm, 2):g}' for mm in layers if mm)} mm"
+
+
+def best_of_pairs(result: DesignResult) -> list[BestDesign]:
+    """Return the best design of each pair of materials that has one."""
+    return [pair.best for pair in result.pairs if pair.best is not None]
+
+
+@line_of.register
+def design_in_a_line(result: DesignResult) -> str:
+    """Return the best design or, without one, the nearest in a line, with the verdict on it."""
+    return f"{found_in_a_line(result)}; {in_a_line(result.shown.check)}"
+
+
+def found_in_a_line(result: DesignResult) -> str:
+    """Return the best design or, without one, the nearest, with its areal density, thickness and cost."""
+    least, verdict = OBJECTIVES[result.minimised].least, result.shown.check.verdict
+    if result.reason == "none passes":
+        least = "nearest"
+    elif verdict in ("not known", "stopped by the model"):
+        least += " by the model"
+    return f"{least}: {armour_in_words(result.shown)}, {amounts(result.shown.check)}"
+
+
+@tables_of.register
+def tables_of_design(result: DesignResult) -> list[Table | str]:
+    """Return the best design with what its check says, and then what only a search knows."""
+    result.shown.check.of(every_row=_every_row(result))
+    checked = facts(result.shown.check, also=nearly_as_good(result))
+    more = details(result.shown.check) * _every_row(result)
+    return [
+        VerdictLine(found_in_a_line(result)),
+        verdict_line(result.shown.check),
+        *checked,
+        *more,
+        *tables_of_search(result),
+    ]
+
+
+def tables_of_search(result: DesignResult) -> list[Table | str]:
+    """Return a row for each pair of materials and, with `every_row` in the question, frontier and Pareto front."""
+    shown = list[Table | str]()
+    if len(result.pairs) > 1:
+        shown += pair_table(result)
+    if _every_row(result):
+        plates = result.without_mm
+        if result.frontier:
+            shown.append(designs_table(result.frontier, "thinnest tile that holds on each plate"))
+        if plates:
+            ends = " to ".join(dict.fromkeys(f"{mm:g}" for mm in (plates[0], plates[-1])))
+            shown.append(f"no tile holds on {counted(len(plates), 'plate')}, {ends} mm")
+        shown += [designs_table(result.pareto, "Pareto front")] if result.pareto else []
+        shown.append(f"{counted(result.designs, 'design')} computed")
+    return shown
+
+
+def nearly_as_good(result: DesignResult) -> str:
+    """Return the designs on other plates whose objective is within 1 % of the best, the nearest first."""
+    value, best = attrgetter(result.minimised), result.shown
+    near = [
+        each
+        for each in result.frontier
+        if each.backing_thickness_mm != best.backing_thickness_mm and value(each) <= 1.01 * value(best)
+    ]
+    words = [sizes(each).removesuffix(" mm") for each in sorted(near, key=value)]
+    more = f" and {len(words) - MOST_NAMED} more (-v)" * (len(words) > MOST_NAMED)
+    return f"{', '.join(words[:MOST_NAMED])} mm{more}" if words and len(result.pairs) == 1 else ""
+
+
+def pair_table(result: DesignResult) -> list[Table | str]:
+    """Tabulate every pair of materials with its best design or, without one, the nearest."""
+    designs = [pair.best or pair.nearest for pair in result.pairs]
+    alike = {each.check.verdict for each in designs if each} == {result.shown.check.verdict}
+
+    def checked(design: BestDesign) -> CheckedThreat:
+        return deciding(design.check)
+
+    table = Table.of(
+        zip(result.pairs, designs, strict=True),
+        (Column("materials", prose=True), lambda row: pair_words(row[0])),
+        *of_part(
+            lambda row: row[1],
+            (Column("best", prose=True), sizes),
+            (Column("kg/m²", spec=".1f"), attrgetter(AREAL_DENSITY.key)),
+            (Column("cost", spec=".0f"), attrgetter(COST.key)),
+            (LIMIT, lambda design: _marked_limit(checked(design))),
+            (STOPS, lambda design: chance_text(checked(design))),
+            *[(VERDICT, lambda design: verdict_word(design.check.verdict))] * (not alike),
+        ),
+        rest="--json",
+    )
+    metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
+    of_others = phrases.said_of(result.notes, "pairs")
+    marked = _by_model(checked(each) for each in designs if each is not None)
+    return [table, *marked, *[METALS] * (len(metals) > 1), *of_others]
+
+
+def pair_caveats(result: DesignResult) -> list[str]:
+    """Return the caveats of the model on pairs other than the best, and on comparing metals of different strength."""
+    return [text for text in pair_table(result) if isinstance(text, str) and text != BY_MODEL]
+
+
+def designs_table(designs: Sequence[Design], title: str) -> Table:
+    """Tabulate designs in a row each."""
+    outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests, most=2)
+    margin = [MARGIN] * isinstance(designs[0], DesignOfFront)
+    armour: Source = Column("armour", prose=True), armour_in_words
+    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, *margin, outside
+    return Table.of(designs, *columns, title=title, rest="--csv FILE")
+
+
+def design_csv(result: DesignResult) -> str:
+    """Format designs as CSV: the Pareto front; without one, the frontier."""
+    untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST
+    margin = [MARGIN] * bool(result.pareto)
+    outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
+    designs = result.pareto or result.frontier
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, outside))

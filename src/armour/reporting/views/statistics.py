@@ -1,191 +1,163 @@
 """Tables of uncertainties, sensitivities, calibrations, and V50 from firing results."""
 
 from collections.abc import Sequence
-from operator import attrgetter, itemgetter
 
-from armour.analysis.estimates import Estimate
+from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.errors import counted
-from armour.reporting.by_result import line_of, tables_of
+from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.table import (
     Cell,
     Column,
     Source,
     Table,
     VerdictLine,
+    between,
     deviation_percent,
     in_words,
     interval,
-    of_part,
+    number,
     percent,
     with_interval,
 )
 from armour.reporting.views.analysis import tables_of_each
-from armour.reporting.words import (
-    SAMPLED_ALONE,
-    STOPPING,
-    chance,
-    error_note,
-    risk,
-    rounded_up,
-    sampled_percents,
-)
+from armour.reporting.words import chance, error_note, rounded_up, sampled_percents
+from armour.scenario.scenario import rounds
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
+from armour.statistics.likelihood import Coefficient
 from armour.statistics.lots import V50Difference
+from armour.statistics.measured import LIMIT
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, LotResults
 
-STOPPED_ALONE = "stopped by the given distributions alone"
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
-SAMPLING_NOTE = "more samples make the intervals narrower, but not the spread of the ballistic limit"
-
-
-def estimate_table(result: UncertaintyResult) -> Table:
-    """Tabulate the probability of stopping, %, and quantiles and mean of the ballistic limit, m/s.
-
-    Intervals show the sampling errors.
-    """
-    known, alone = result.probability_of_perforation, result.perforated_by_distributions
-    rows = [] if known else [(STOPPING.label, "%", "unknown", "")]
-    for label, p in ((STOPPING.label, known), (STOPPED_ALONE, alone)):
-        if p is not None:
-            value, least, most = sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low))
-            rows.append((label, "%", f"{value:.1f}", interval((least, most), ".1f")))
-    low, middle, high = result.limit_quantiles_m_s.values()
-    mean = Estimate(result.mean_m_s, *result.mean_interval_m_s)
-    for label, each in (("ballistic limit, median", middle), ("mean ballistic limit", mean)):
-        rows.append((label, "m/s", f"{each.value:.0f}", interval((each.low, each.high), ".0f")))
-    rows.insert(-1, ("90 % between", "m/s", interval((low.value, high.value), ".0f"), ""))
-    sampling = Column(f"sampling error, {percent(result.confidence)} interval")
-    return Table((Column("quantity"), Column("unit"), Column("estimate", spec="g"), sampling), tuple(rows))
+# Inputs of a sensitivity, and tests of a calibration, that the first answer shows.
+MOST_INPUTS, MOST_TESTS = 6, 3
 
 
 def influence_table(result: UncertaintyResult) -> Table:
     """Tabulate the ballistic limits with each input in turn at its 5 and 95 % quantiles."""
     return Table.of(
         result.inputs,
-        (Column("input", prose=True), lambda item: in_words(item.input)),
-        (Column("limit at 5 and 95 %", "m/s"), lambda item: interval(item.limits_m_s, ".0f")),
+        (Column("because of", prose=True), lambda item: Column.of(item.input).label),
+        (Column("limit at its 5 % and 95 %"), lambda item: f"{interval(item.limits_m_s, '.0f')} m/s"),
     )
 
 
 @line_of.register
 def uncertainty_in_a_line(result: UncertaintyResult) -> str:
-    """Return the probability of perforation at the velocity of the threat."""
-    scenario, p = result.question.get("scenario"), result.probability_of_perforation
-    at = f" at {scenario.impact.velocity_m_s:g} m/s" if scenario else ""
-    return (
-        f"probability of perforation{at}: unknown"
-        if p is None
-        else (f"perforated with a probability of {risk(1.0 - p.value)}{at}")
+    """Return the probability of stopping a shot, or what the given distributions alone say."""
+    scenario, p = (
+        result.question.get("scenario"),
+        result.probability_of_perforation or result.perforated_by_distributions,
     )
+    assert p is not None
+    value, low, high = sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low))
+    if result.probability_of_perforation is None:
+        reason = no_error(scenario).partition(";")[0] if scenario else "no test of such an armour is known"
+        return f"not known: {reason}; with the model taken as exact {value:.1f} %"
+    shot = f" of {rounds(scenario.impact, {}, ())}" if scenario else ""
+    return f"stops a shot{shot} with {value:.1f} % (± {rounded_up(max(value - low, high - value))} by sampling)"
 
 
 @tables_of.register
 def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
-    """Return all tables of an uncertainty analysis, with notes."""
-    error = error_note(result.model_error, result.question.get("scenario"))
-    parts: list[Table | str] = [estimate_table(result), SAMPLING_NOTE, error]
-    parts += [SAMPLED_ALONE] if result.model_error is None else []
-    method = Column("method"), f"{result.method}, seed {result.seed}"
-    of_scenario = Column.of("deterministic_m_s", ".0f", "ballistic limit of the scenario")
-    spread = Column.of("standard_deviation_m_s", ".0f")
-    parts += [Table.of_one(result, Column.of("samples", "d"), method, of_scenario, spread), influence_table(result)]
-    return parts
+    """Return the probability of stopping a shot, and what makes it uncertain; with `every_row`, also the sampling."""
+    low, middle, high = (each.value for each in result.limit_quantiles_m_s.values())
+    limit = [f"90 % between {low:.0f} and {high:.0f} m/s", f"{result.deterministic_m_s:.0f} m/s by the model"]
+    if result.model_error is not None:
+        limit.insert(0, f"{middle:.0f} m/s expected")
+    line = VerdictLine(in_a_line(result), good=None if result.probability_of_perforation else False)
+    shown: list[Table | str] = [line, Table.of_facts({"limit": "; ".join(limit)}), influence_table(result)]
+    if result.question.get("every_row"):
+        sampling = f"{result.samples} by {result.method}, seed {result.seed}"
+        spread = f"{result.standard_deviation_m_s:.0f} m/s"
+        shown.append(Table.of_facts({"samples": sampling, "standard deviation": spread}))
+        shown.append(error_note(result.model_error, result.question.get("scenario")))
+    return shown
 
 
-ELASTICITY_NOTE = "% per %: change of the answer, in per cent of it, when the input grows by 1 %"
+def elasticity_table(result: SensitivityResult, answers: Sequence[str], most: int | None = None) -> Table:
+    """Tabulate the change of each of some answers, %, when an input grows by 1 %, for at most so many inputs."""
+    value: Source = Column("value"), lambda item: f"{item.value:.5g} {Column.of(item.input).unit}".rstrip()
+    names: Source = Column("1 % more of", prose=True), lambda item: Column.of(item.input).label
+    of_limit = [LIMIT] if LIMIT in answers else []
+    labels = [Column.of(name).label.replace("ballistic ", "") for name in answers]
+    labels = [f"changes the {label} by" if len(labels) == 1 else label for label in labels]
+    changes = (
+        (Column(label), lambda item, name=name: _percent(item.elasticities[name]))
+        for name, label in zip(answers, labels, strict=True)
+    )
+    rows = [item for item in result.inputs if not of_limit or most is None or item.elasticities[LIMIT] is not None]
+    return Table.of(rows[:most], names, value, *changes)
 
 
-def elasticity_table(result: SensitivityResult) -> Table:
-    """Tabulate the elasticities: the change of each answer, %, when an input grows by 1 %.
-
-    Answers without a value, such as the residual velocity of a stopped projectile, have no column.
-    """
-    answers = [name for name, value in result.answers.items() if value is not None]
-    changes = ((Column(Column.of(name).label, "% per %", "+.2f"), itemgetter(name)) for name in answers)
-    inputs: Source = Column("input", prose=True), lambda item: in_words(item.input)
-    return Table.of(result.inputs, inputs, Column.of("value", "g"), *of_part(attrgetter("elasticities"), *changes))
+def _percent(change: float | None) -> str | None:
+    """Format the change of an answer."""
+    return None if change is None else f"{number(change, '+.2f')} %"
 
 
 @line_of.register
 def sensitivity_in_a_line(result: SensitivityResult) -> str:
     """Return the input on which the first answer, the ballistic limit if there is one, depends most."""
-    answer = next((name for name, value in result.answers.items() if value is not None), "")
+    answer, value = next((pair for pair in result.answers.items() if pair[1] is not None), ("", None))
     inputs = [item for item in result.inputs if item.elasticities.get(answer)]
     if not inputs:
         return "no answer depends on any input"
     most = max(inputs, key=lambda item: abs(item.elasticities[answer] or 0.0))
-    words = f"the {Column.of(answer).label} depends most on the {Column.of(most.input).label}"
-    return f"{words}: {most.elasticities[answer]:+.2f} % for 1 % more"
+    name = Column.of(answer).label.replace("ballistic ", "")
+    return f"the {name} by the model, {value:.0f} m/s, depends most on the {Column.of(most.input).label}"
 
 
 @tables_of.register
 def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
-    """Return the answers of a sensitivity analysis and their elasticities, with a note."""
-    answers: list[Source] = []
-    for name, value in result.answers.items():
-        none = "none (stopped)" if name == "residual_velocity_m_s" else "none"
-        answers.append((Column(Column.of(name).label), none) if value is None else (Column.of(name), value))
-    return [Table.of_one(result, *answers), elasticity_table(result), ELASTICITY_NOTE]
+    """Return the inputs on which the first answer depends most; with `every_row`, all inputs and answers."""
+    answers, line = (
+        [name for name, value in result.answers.items() if value is not None],
+        VerdictLine(in_a_line(result)),
+    )
+    if result.question.get("every_row"):
+        values = {
+            Column.of(name).label: "none" if value is None else f"{value:.0f} m/s by the model"
+            for name, value in result.answers.items()
+        }
+        return [line, Table.of_facts(values), elasticity_table(result, answers)]
+    table, rest = elasticity_table(result, answers[:1], MOST_INPUTS), result.inputs[MOST_INPUTS:]
+    changes = [abs(item.elasticities[answers[0]] or 0.0) for item in rest if item.elasticities[answers[0]] is not None]
+    return [line, table, *([f"{len(changes)} more, each at most {max(changes):.2f} %, with -v"] if changes else [])]
 
 
 @line_of.register
 def calibration_in_a_line(result: CalibrationResult) -> str:
-    """Return the number of tests and the errors of the fit."""
-    line = f"calibration to {counted(len({residual.test for residual in result.residuals}), 'test')}"
-    if result.mean_error_percent is not None:
-        line += f": mean error {result.mean_error_percent:.1f} %"
-    if result.left_out_error_percent is not None:
-        line += f", {result.left_out_error_percent:.1f} % leave-one-out"
-    return line
+    """Return the fitted inputs with their intervals."""
+    return "; ".join(_coefficient_words(each, result.confidence) for each in result.coefficients)
+
+
+def _coefficient_words(coefficient: Coefficient, level: float) -> str:
+    """Return a fitted input with its interval, or why it is not identified."""
+    column, ends = Column.of(coefficient.name), coefficient.interval
+    if coefficient.estimate is None:
+        return f"{column.label} not identified: {coefficient.reason}"
+    words = "; ".join([*([between(level, ends, ".4g")] if ends else []), *filter(None, [coefficient.reason])])
+    return f"{column.label} {f'{coefficient.estimate:.4g} {column.unit}'.rstrip()} ({words})"
 
 
 def calibration_table(result: CalibrationResult) -> Table:
-    """Tabulate the errors of a fit to tests and, if the tests have uncertainties, its chi-squared test."""
-    weighted, few = result.weights == "uncertainties", _no_error(result)
+    """Tabulate how a fit was made and, if the tests have uncertainties, its chi-squared test."""
+    weighted = result.weights == "uncertainties"
     return Table.of_one(
         result,
-        (Column("tests", spec="d"), len({residual.test for residual in result.residuals})),
         (Column("deviations relative to"), "uncertainties of the tests" if weighted else "measured values"),
         Column.of("law", label="law of the ceramic's flow stress"),
-        _error("mean error", result.mean_error_percent, few),
-        _error("mean leave-one-out error", result.left_out_error_percent, few),
         Column.of("degrees_of_freedom", ".4g"),
         (Column("chi-squared", spec=".2f"), result.chi_squared if weighted else None),
         (Column("p value", spec=".2g"), result.p_value if weighted else None),
         (Column("intervals widened by", spec=".2f"), result.widened_by if result.widened_by > 1.0 else None),
         (Column("starting points that reach this solution"), f"{result.starts_agreeing} of {result.starts}"),
     )
-
-
-def _no_error(result: CalibrationResult) -> str:
-    """Return why a fit has no error: outcomes have none, and others need enough tests."""
-    return "outcomes have none" if all(residual.bound for residual in result.residuals) else "too few tests"
-
-
-def _error(label: str, value: float | None, few: str) -> Source:
-    """Return the column of an error, %, with its value, or with why there is none."""
-    return (Column(label), few) if value is None else (Column(label, "%", ".1f"), value)
-
-
-def coefficient_table(result: CalibrationResult) -> Table:
-    """Tabulate the fitted coefficients with their intervals, or the reasons why they are not identified."""
-    known = Column(f"{percent(result.confidence)} interval", prose=True)
-    return Table.of(
-        result.coefficients,
-        (Column("coefficient", prose=True), lambda c: in_words(c.name)),
-        (Column("estimate", spec=".4g"), lambda c: _value_or(c.estimate, "not identified")),
-        (known, lambda c: "; ".join(filter(None, (interval(c.interval, ".4g"), c.reason)))),
-    )
-
-
-def _value_or(value: float | None, words: str) -> Cell:
-    """Return a value, or the words if it is None."""
-    return words if value is None else value
 
 
 def correlation_table(result: CalibrationResult) -> Table:
@@ -241,41 +213,57 @@ def own_measured(test: OwnTest) -> str:
 
 @tables_of.register
 def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
-    """Return all tables of a calibration."""
-    parts: list[Table | str] = [coefficient_table(result), calibration_table(result)]
-    parts += [correlation_table(result)] if len(result.coefficients) > 1 else []
-    return [*parts, residual_table(result)]
+    """Return the fitted inputs, the tests, and those that deviate most; with `every_row`, all details of the fit."""
+    facts = {"tests": _tests_words(result), "farthest": _farthest(result)}
+    before, now = result.question.get("before"), result.question.get("now")
+    if before is not None and now is not None:
+        at = f" at {result.question['scenario'].impact.velocity_m_s:g} m/s"
+        facts["armour"] = f"was {_expected(before, at)}; now {_expected(now)}"
+    shown: list[Table | str] = [VerdictLine(in_a_line(result)), Table.of_facts(facts)]
+    if result.question.get("every_row"):
+        shown.append(calibration_table(result))
+        shown += [correlation_table(result)] if len(result.coefficients) > 1 else []
+        shown.append(residual_table(result))
+    return shown
 
 
-def v50_table(result: FiringResult) -> Table:
-    """Tabulate the shots: their numbers, the zone of mixed results, the mean of MIL-STD-662F, and the model's limit."""
-    spans = [
-        f"{m.pairs} + {m.pairs} within {m.span_m_s:.4g} m/s, {m.span_allowed_m_s:.4g} allowed" for m in result.means
-    ]
-    rule: list[Source] = [(Column("V50, mean"), f"none: {'; '.join(spans) or 'too few shots of each kind'}")]
-    if (mean := result.mean) is not None:
-        rule = [
-            (Column("V50, MIL-STD-662F" if mean.rule == "usual span" else "V50, mean", "m/s", ".0f"), mean.v50_m_s),
-            (Column("shots averaged"), f"{mean.pairs} partial and {mean.pairs} complete"),
-            (Column("span of these shots", "m/s", ".4g"), mean.span_m_s),
-            (Column("span allowed", "m/s", ".4g"), mean.span_allowed_m_s),
+def _tests_words(result: CalibrationResult) -> str:
+    """Return the number of tests with the errors of the fit or, of a few tests, what each measured."""
+    tests = list(dict.fromkeys(residual.test for residual in result.residuals))
+    if len(tests) <= MOST_TESTS:
+        words = [
+            f"{r.test} {f'{r.bound} {r.measured:g}'.strip()} {Column.of(r.quantity).unit}" for r in result.residuals
         ]
-    return Table.of_one(
-        result,
-        Column.of("shots", "d"),
-        Column.of("complete", "d", "complete penetrations"),
-        *Column.of_each(highest_partial_m_s=".0f", lowest_complete_m_s=".0f", zone_of_mixed_results_m_s=".0f"),
-        *rule,
-        Column.of("model_ballistic_limit_m_s", ".0f", "ballistic limit by the model"),
-        (Column("its 95 % interval, with the model error", "m/s"), interval(result.model_interval_m_s, ".0f")),
-    )
+        return f"{len(tests)}: {', '.join(words)}"
+    words = [str(len(tests))]
+    if result.mean_error_percent is not None:
+        words.append(f"mean error {result.mean_error_percent:.1f} %")
+    if result.left_out_error_percent is not None:
+        words.append(f"each predicted from the others {result.left_out_error_percent:.1f} %")
+    if missed := sum(not residual.met for residual in result.residuals):
+        words.append(f"{counted(missed, 'outcome')} not met")
+    return ", ".join(words)
+
+
+def _farthest(result: CalibrationResult) -> str:
+    """Return the tests that deviate most from the fit; none if there are only a few."""
+    off = [(r.test, deviation_percent(r.computed, r.measured) or 0.0) for r in result.residuals if not r.bound]
+    off.sort(key=lambda pair: -abs(pair[1]))
+    return ", ".join(f"{test} {part:+.1f} %" for test, part in off[:MOST_TESTS]) if len(off) > MOST_TESTS else ""
+
+
+def _expected(found: ConfidenceResult, at: str = "") -> str:
+    """Return the limit of an armour and the probability that it stops a shot; `at` is its velocity in words."""
+    if found.expected_limit_m_s is not None:
+        return f"{found.expected_limit_m_s:.0f} m/s expected, {chance(found.probability_of_stopping)}{at}"
+    return "no limit" if found.ballistic_limit_m_s is None else f"{found.ballistic_limit_m_s:.0f} m/s by the model"
 
 
 def recommended_table(fit: FittedCurve, level: float) -> Table:
     """Tabulate V50, V05, V95 and scatter of the recommended curve, with intervals and bounds at a confidence level."""
     rows = (
-        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), _value_or(fit.v50_lower_m_s, "not bounded")),
-        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), _value_or(fit.v05_lower_m_s, "not bounded")),
+        ("V50", fit.v50_m_s, interval(fit.v50_interval_m_s, ".0f"), fit.v50_lower_m_s or "not bounded"),
+        ("V05", fit.v05_m_s, interval(fit.v05_interval_m_s, ".0f"), fit.v05_lower_m_s or "not bounded"),
         ("V95", fit.v95_m_s, interval(fit.v95_interval_m_s, ".0f"), None),
         ("scatter", fit.scale_m_s, interval(fit.scale_interval_m_s, ".0f"), None),
     )
@@ -298,42 +286,23 @@ def curve_table(result: FiringResult) -> Table:
     )
 
 
+SEPARATED = (
+    "every shot that perforated was faster than every one stopped: by maximum likelihood every V50 between them is "
+    "equally likely, and the scatter is 0"
+)
 WIDER = (
     "the posterior is wider than the interval by the shots alone: its prior expects more scatter than the shots show"
 )
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
-# Names of the mean of velocities, and notes on it, by the rule for the span of its shots.
-MEANS = {"usual span": "MIL-STD-662F", "given span": "mean within the span given", "no usual rule": "mean of shots"}
+# Words for the rule for the span of the shots that are averaged, and notes on it.
+MEANS = {"usual span": "MIL-STD-662F", "given span": "span as given", "no usual rule": "no usual rule"}
 MEAN_NOTES = {
     "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
     "given span": "the span allowed is given and not the usual one; MIL-STD-662F leaves it to the specification",
     "no usual rule": "MIL-STD-662F does not usually average this number of shots",
 }
-
-
-def answer(result: FiringResult) -> str:
-    """Return V50 and the mean of velocities in a line.
-
-    The interval of V50 has the confidence level asked for or, if it is not bounded at this level, a lower one.
-    """
-    parts, fit, mean = [], result.recommended, result.mean
-    if fit is not None:
-        words, level = f"V50 {fit.v50_m_s:.0f} m/s", result.bounded_confidence
-        open_level = f"{percent(result.confidence)} not bounded"
-        if result.extrapolated:
-            words = "V50 not bounded by these shots"
-        elif level is None:
-            words += f", interval not bounded ({open_level})"
-        else:
-            words += f", {percent(level)} interval {interval(result.bounded_interval_m_s, '.0f')}"
-            words += f" ({open_level})" if level < result.confidence else ""
-        parts.append(words)
-    if mean is not None:
-        shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.4g} m/s"
-        parts.append(f"{MEANS[mean.rule]}: {mean.v50_m_s:.0f} m/s from {shots}")
-    return "; ".join(parts)
 
 
 FIXED = (
@@ -343,45 +312,42 @@ FIXED = (
 )
 
 
-def further_note(result: FiringResult) -> list[str]:
-    """Return a note on the one further shot that would bound V50 best, if the result has one."""
+def _further(result: FiringResult) -> str:
+    """Return the one further result that would bound V50 best, if the result has one."""
     if (further := result.further) is None:
-        return []
-    shot = f"a {'complete' if further.complete else 'partial'} penetration at {further.velocity_m_s:.0f} m/s"
-    if further.confidence is None:
-        return [f"no single further result bounds V50; {shot} comes nearest"]
-    found = f"{percent(further.confidence)} interval {interval(further.interval_m_s, '.0f')} m/s"
-    if further.confidence == result.confidence:
-        return [f"one further result would bound V50, best {shot}: {found}"]
-    return [f"no single further result bounds V50 at {percent(result.confidence)}; best is {shot}: {found}"]
+        return ""
+    shot = f"a shot {'perforating' if further.complete else 'stopped'} at {further.velocity_m_s:.0f} m/s"
+    if further.confidence is None or further.interval_m_s is None:
+        return f"no single shot bounds V50; {shot} comes nearest"
+    lower = "" if further.confidence == result.confidence else f"{percent(further.confidence)} "
+    return f"{shot} would bound V50: {lower}{interval(further.interval_m_s, '.0f')} m/s"
 
 
 def second_note(fit: FittedCurve | None) -> list[str]:
     """Return a note on a second curve that fits the shots nearly as well as the recommended one, if there is one."""
     if fit is None or fit.second_v50_m_s is None:
         return []
-    return [
-        f"two curves fit these shots nearly equally: V50 {fit.v50_m_s:.1f} m/s with a scatter of {fit.scale_m_s:.1f} "
-        f"m/s, and V50 {fit.second_v50_m_s:.1f} m/s with a scatter of {fit.second_scale_m_s:.1f} m/s; further shots "
-        "decide between them"
-    ]
+    first, second = f"{fit.v50_m_s:.1f} (scatter {fit.scale_m_s:.1f})", f"{fit.second_v50_m_s:.1f}"
+    return [f"as likely as V50 {first} is {second} m/s (scatter {fit.second_scale_m_s:.1f}): further shots decide"]
 
 
-def point_notes(result: FiringResult) -> list[str]:
-    """Return notes on the points of the recommended curve that were asked for, with their intervals.
-
-    They are the probability of perforation at a velocity, and the velocity at which a fraction perforates.
-    """
-    notes, level = [], percent(result.confidence)
+def points(result: FiringResult) -> dict[str, str]:
+    """Return the points of the recommended curve that were asked for, with their intervals, by label."""
+    points, level = {}, percent(result.confidence)
     if (at := result.at) is not None:
-        perforated, ends = risk(1.0 - at.probability), f"{chance(at.interval[0])} to {risk(1.0 - at.interval[1])}"
-        notes.append(f"probability of perforation at {at.velocity_m_s:g} m/s: {perforated}, {level} interval {ends}")
+        high, low = (chance(1.0 - end) for end in at.interval)
+        words = f"stops a shot with {chance(1.0 - at.probability)} ({level} between {low} and {high})"
+        points[f"at {at.velocity_m_s:g} m/s"] = words
     if (point := result.velocity_of) is not None:
         value = "no positive estimate" if point.velocity_m_s is None else f"{point.velocity_m_s:.0f} m/s"
-        bound = "not bounded" if point.lower_m_s is None else f"{point.lower_m_s:.0f} m/s"
-        ends = f"{level} interval {interval(point.interval_m_s, '.0f')}, one-sided {level} lower bound {bound}"
-        notes.append(f"{velocity_name(point.fraction)}: {value}, {ends}")
-    return notes
+        value += f" ({between(result.confidence, point.interval_m_s, '.0f')})"
+        points[velocity_name(point.fraction)] = value + _at_least(point.lower_m_s, level)
+    return points
+
+
+def _at_least(lower_m_s: float | None, level: str) -> str:
+    """Return a one-sided lower bound in words, if there is one."""
+    return "" if lower_m_s is None else f", at least {lower_m_s:.0f} m/s with {level}"
 
 
 def velocity_name(fraction: float) -> str:
@@ -390,22 +356,18 @@ def velocity_name(fraction: float) -> str:
     return f"V{number.zfill(2)}"
 
 
-def requirement_verdict(result: FiringResult) -> list[str]:
-    """Return whether the required velocity is met, with the risks of accepting and of rejecting the armour now.
-
-    Without a requirement, return no line.
-    """
-    if result.requirement_m_s is None:
-        return []
-    required = f"{result.requirement_m_s:g} m/s required of {velocity_name(result.requirement_fraction)}"
-    if result.consumers_risk is None or result.producers_risk is None:
-        return [VerdictLine(f"{result.decision}: {required}; no curve fits the shots", good=False)]
-    allowed = percent(round(1.0 - result.confidence, 12))
-    risks = (
-        f"accepting it now has a risk (consumer's) of {rounded_risk(result.consumers_risk)}, rejecting it (producer's) "
-        f"of {rounded_risk(result.producers_risk)}; {allowed} decides"
+def decision(result: FiringResult) -> str:
+    """Return whether a required velocity is met, with the risk that decides."""
+    required = (
+        f"{result.decision}: {velocity_name(result.requirement_fraction)} of at least {result.requirement_m_s:g} m/s"
     )
-    return [VerdictLine(f"{result.decision}: {required}; {risks}", good=result.decision == "met"), FIXED]
+    if result.consumers_risk is None or result.producers_risk is None:
+        return f"{required}; no curve fits the shots"
+    deciding, risk = "accepting", result.consumers_risk
+    if result.decision == "not met":
+        deciding, risk = "rejecting", result.producers_risk
+    now, allowed = " now" * (result.decision == "not decided"), percent(round(1.0 - result.confidence, 12))
+    return f"{required}; risk of {deciding}{now} {rounded_risk(risk)} ({allowed} decides)"
 
 
 def rounded_risk(risk: float) -> str:
@@ -415,45 +377,90 @@ def rounded_risk(risk: float) -> str:
 
 @line_of.register
 def firing_in_a_line(result: FiringResult) -> str:
+    """Return the decision on a required velocity or, without one, V50 with its interval."""
+    return decision(result) if result.decision else _v50_words(result)
+
+
+def at_one_level(result: FiringResult) -> str:
     """Return V50 by the recommended curve, or else the first, with its interval at the level asked for."""
     fit = result.recommended or next(iter(result.fits), None)
     if fit is None or result.extrapolated:
         return "V50 not bounded by these shots"
-    ends = fit.v50_interval_m_s
-    unit = " m/s" if ends != (None, None) else ""
-    return f"V50 {fit.v50_m_s:.1f} m/s, {percent(result.confidence)} interval {interval(ends, '.1f')}{unit}"
+    return f"V50 {fit.v50_m_s:.0f} m/s, {percent(result.confidence)} interval {interval(fit.v50_interval_m_s, '.0f')}"
+
+
+def _v50_words(result: FiringResult) -> str:
+    """Return V50 by the recommended curve, with its interval and, without a requirement, its lower bound."""
+    level, ends, fit = result.bounded_confidence, result.bounded_interval_m_s, result.recommended
+    if fit is None:
+        return f"V50 not known: no curve {'rises with the velocity' if result.fits else 'fits the shots alone'}"
+    if result.extrapolated:
+        return "V50 not bounded by these shots"
+    is_open = f"{percent(result.confidence)} is not bounded"
+    if level is None or ends is None:
+        return f"V50 {fit.v50_m_s:.0f} m/s ({is_open})"
+    if level < result.confidence:
+        return f"V50 {fit.v50_m_s:.0f} m/s ({between(level, ends, '.0f')}; {is_open})"
+    lower = "" if result.decision else _at_least(fit.v50_lower_m_s, percent(level))
+    return f"V50 {fit.v50_m_s:.0f} m/s ({between(level, ends, '.0f')}){lower}"
 
 
 @tables_of.register
 def tables_of_firing(result: FiringResult) -> list[Table | str]:
-    """Return whether a requirement is met, V50, the recommended curve, the posterior, the shots and all curves."""
-    shown: list[Table | str] = [*requirement_verdict(result), *filter(None, (answer(result),))]
-    shown += [*second_note(result.recommended), *further_note(result), *point_notes(result)]
+    """Return whether a requirement is met, V50, and what it rests on; with `every_row`, also all curves."""
+    good = result.decision == "met" if result.decision else None
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=good)]
+    shown += [VerdictLine(_v50_words(result))] if result.decision else []
+    shown += [Table.of_facts(_facts_of(result)), *second_note(result.recommended)]
+    if not result.question.get("every_row"):
+        return shown
+    if result.consumers_risk is not None and result.producers_risk is not None:
+        risks = f"{rounded_risk(result.consumers_risk)}, of rejecting it {rounded_risk(result.producers_risk)}"
+        shown.append(f"risk of accepting the armour now {risks}; {FIXED}")
     if result.recommended is not None:
         shown += [recommended_table(result.recommended, result.confidence), PENALISED]
-        if result.recommended.v05_m_s is None:
-            shown.append("V05 has no estimate: the curve is at 5 % at a velocity below 0")
-    elif result.fits:
-        shown.append("no curve is recommended: the penalised likelihood is greatest for a curve that does not rise")
-    else:
-        shown.append("no curve fits the shots alone: none complete, none partial, or the complete ones no faster")
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
         shown += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
         low, high = (None, None) if result.recommended is None else result.recommended.v50_interval_m_s
         slowest, fastest = result.posterior.v50_interval_m_s
         shown += [WIDER] if low is not None and high is not None and high - low < fastest - slowest else []
-    shown.append(v50_table(result))
-    if result.mean is not None:
-        shown.append(MEAN_NOTES[result.mean.rule])
     if result.fits:
         shown.append(curve_table(result))
-    if result.separated:
-        shown.append(
-            "every complete penetration was faster than every partial one: by maximum likelihood every V50 between "
-            "them is equally likely, and the scatter is 0"
-        )
-    return shown
+    if (limit := result.model_ballistic_limit_m_s) is not None:
+        shown.append(f"ballistic limit {limit:.0f} m/s by the model")
+    shown += [MEAN_NOTES[result.mean.rule]] if result.mean is not None else []
+    return [*shown, *([SEPARATED] if result.separated else [])]
+
+
+def _facts_of(result: FiringResult) -> dict[str, str]:
+    """Return what V50 rests on, by label."""
+    mean, fit, posterior, facts = result.mean, result.recommended, result.posterior, dict[str, str]()
+    spans = [
+        f"{m.pairs} + {m.pairs} within {m.span_m_s:.3g} m/s, {m.span_allowed_m_s:.3g} allowed" for m in result.means
+    ]
+    facts["mean"] = f"none: {'; '.join(spans) or 'too few shots of each kind'}"
+    if mean is not None:
+        shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.3g} m/s"
+        facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {shots}, {mean.span_allowed_m_s:.3g} allowed ({MEANS[mean.rule]})"
+    highest, lowest = result.highest_partial_m_s, result.lowest_complete_m_s
+    ends = [] if highest is None else [f"highest stopped {highest:.0f} m/s"]
+    ends += [] if lowest is None else [f"lowest perforated {lowest:.0f} m/s"]
+    facts["shots"] = f"{result.shots}, {result.complete} perforated; {', '.join(ends)}"
+    if fit is not None and not result.decision:
+        slow = "at no positive velocity" if fit.v05_m_s is None else f"at {fit.v05_m_s:.0f}"
+        scatter = between(result.confidence, fit.scale_interval_m_s, ".0f")
+        facts["scatter"] = f"{fit.scale_m_s:.0f} m/s ({scatter}); 5 % perforate {slow}, 95 % at {fit.v95_m_s:.0f} m/s"
+    facts |= {"more": _further(result), **points(result)}
+    if (limit := result.model_ballistic_limit_m_s) is not None:
+        facts["expected"] = f"{limit:.0f} m/s by the model"
+        if result.expected_limit_m_s is not None and result.model_interval_m_s is not None:
+            ends_of_model = between(0.95, result.model_interval_m_s, ".0f")
+            facts["expected"] = f"{result.expected_limit_m_s:.0f} m/s before these shots ({ends_of_model})"
+    if posterior is not None and result.prior_share is not None:
+        ends_of_v50 = between(result.confidence, posterior.v50_interval_m_s, ".0f")
+        facts["together"] = f"{posterior.v50_m_s:.0f} m/s ({ends_of_v50}), with the expected limit as prior"
+    return facts
 
 
 ONE_SCATTER = (
@@ -498,7 +505,7 @@ def tables_of_lots(result: LotResults) -> list[Table | str]:
         ends: Source = Column(f"{level} interval", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".0f")
         scatter: Source = Column("scatter", "m/s", ".0f"), lambda row: row[1].scale_m_s
         known = [(name, fit) for name, fit in fits.items() if fit is not None]
-        shown.append(Table.of(known, (Column("lot"), itemgetter(0)), v50, ends, scatter, title="V50 of each"))
+        shown.append(Table.of(known, (Column("lot"), lambda row: row[0]), v50, ends, scatter, title="V50 of each"))
     return [*shown, *tables_of_each(result)]
 
 

@@ -3,17 +3,20 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
-from armour.analysis.evaluate import outside_of
+from armour.analysis.variants import row_of
 from armour.errors import counted
+from armour.evidence.tests import far_from_tests
+from armour.reporting import words as phrases
 from armour.reporting.by_result import line_of, tables_of
-from armour.reporting.table import Column, Table
+from armour.reporting.table import Column, Source, Table, beside
+from armour.reporting.views.design import BY_MODEL, LIMIT, STOPS, VERDICT, verdict_word
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
 # Largest number of rows of a sweep that a terminal shows.
 SWEEP_ROWS = 20
+# Limits by the model and expected ones, which share a column.
+BOTH = MODEL, EXPECTED = "ballistic_limit_m_s", "expected_limit_m_s"
 
 
 @line_of.register
@@ -27,24 +30,51 @@ def sweep_in_a_line(result: SweepResult) -> str:
 def tables_of_sweep(result: SweepResult) -> list[Table | str]:
     """Return the first rows of a sweep, with a note if there are more."""
     notes = [f"the first {SWEEP_ROWS} of {result.rows:,} rows"] if result.rows > SWEEP_ROWS else []
-    return [first_rows(result.columns, result.scenario, result.keys), *notes]
+    return [*first_rows(result.columns, result.scenario, result.keys), *notes]
 
 
-def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[str]) -> Table:
+def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[str]) -> list[Table | str]:
     """Tabulate the first rows of a sweep.
 
-    `columns` has an array (rows,) by name; the names in `keys` are the swept inputs.  If any row shown lies outside the
-    tests, a last column says which do.
+    `columns` has an array (rows,) by name; the names in `keys` are the swept inputs.  Where the expected limit is not
+    known, that by the model stands in its place, with a mark.  A last column says in what a row is far from the tests.
     """
-    first = {name: values[:SWEEP_ROWS] for name, values in columns.items()}
-    quantities = [name for name in columns if name not in keys]
-    is_outside = outside_of(scenario, {key: first[key] for key in keys}, quantities)
-    headings = [Column.of(name, ".6g" if is_number(values) else "") for name, values in columns.items()]
-    cells = [values.tolist() for values in first.values()]
-    if is_outside.any():
-        headings.append(Column("tests"))
-        cells.append(np.where(is_outside, "outside", "inside").tolist())
-    return Table(tuple(headings), tuple(zip(*cells, strict=True)))
+    names, first = [*columns], [values[:SWEEP_ROWS].tolist() for values in columns.values()]
+    rows = [dict(zip(names, row, strict=True)) for row in zip(*first, strict=True)]
+    items = [(row, scenario.replaced({key: row[key] for key in keys})) for row in rows]
+    both = {*BOTH} <= {*names}
+    sources = {name: _source(name, columns[name], both=both) for name in names if name != MODEL or not both}
+    far = Column("far from the tests", prose=True), lambda item: _far(item[1], every_threat=VERDICT.label in names)
+    table = Table.of(items, *sources.values(), far)
+    return [table, *[BY_MODEL] * (both and any(_limit(*item).endswith("*") for item in items))]
+
+
+def _source(name: str, values: Any, *, both: bool) -> Source:
+    """Return the column of a key or quantity as people read it; `both` says whether there are limits of both kinds."""
+    if name == EXPECTED and both:
+        return LIMIT, lambda item: _limit(*item)
+    if name == "probability_of_stopping":
+        return STOPS, lambda item: phrases.chance(_known(item[0][name]))
+    if name == VERDICT.label:
+        return VERDICT, lambda item: verdict_word(item[0][name])
+    return Column.of(name, ".6g" if is_number(values) else ""), lambda item: item[0][name]
+
+
+def _known(value: float) -> float | None:
+    return value if value == value else None
+
+
+def _limit(row: Mapping[str, Any], scenario: Scenario) -> str:
+    """Return the expected limit, or that by the model with a mark, m/s, beside the velocity; "none" without one."""
+    shown, mark = (row[MODEL], "*") if _known(row[EXPECTED]) is None else (row[EXPECTED], "")
+    return "none" if _known(shown) is None else beside(shown, scenario.impact.velocity_m_s, 0) + mark
+
+
+def _far(scenario: Scenario, *, every_threat: bool) -> str:
+    """Return in what an armour and its impact, or every threat, are far from the tests, without what was tested."""
+    cases = map(scenario.against, scenario.threats()) if every_threat else [scenario]
+    words = (each for case in cases for each in far_from_tests(case, row_of(case).armours))
+    return ", ".join(dict.fromkeys(each.partition(" (")[0] for each in words))
 
 
 def is_number(values: Any) -> bool:

@@ -12,10 +12,10 @@ from armour.reporting.by_result import drawing_of, in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
 from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number
-from armour.reporting.views.analysis import caveat_lines
-from armour.reporting.words import WHOLE, said_of
+from armour.reporting.views.analysis import armour_words, crossings, limits_in_words, measured_here
+from armour.reporting.words import said_of
 from armour.statistics.measured import LIMIT
-from armour.validation.comparison import Comparison
+from armour.validation.comparison import Comparison, Error
 from armour.validation.figures import Figure
 from armour.validation.formulas import florence_name
 from armour.validation.suite import Case
@@ -160,45 +160,39 @@ def _magnitude(value: float, unit: str) -> str:
 
 
 def overview_table(result: SuiteResult) -> Table:
-    """Tabulate, in a row for each table of a suite, how many cases are within their bands, and the deviations."""
-    groups = check_groups(result)
+    """Tabulate how many cases of each table of a suite are within their bands, and the RMS deviation with its band."""
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
 
-    def cells_of(name: str, checks: Sequence[Check]) -> tuple[str, ...]:
+    def row_of(name: str, checks: Sequence[Check]) -> tuple[Cell, ...]:
         scored = [check for check in checks if check.status != "not scored"]
         within = f"{sum(check.status == 'within' for check in scored)} of {len(scored)}" if scored else ""
-        if summary := whole.get(name):
-            within = within or summary.status.replace("within", "as a whole")
-            band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
-            return within, _magnitude(summary.rms, summary.unit), band, _magnitude(summary.largest, summary.unit)
-        deviations = (check.deviation_percent for check in scored)
-        worst = max((abs(percent) for percent in deviations if percent is not None), default=None)
-        return within or "not scored", "", "", "" if worst is None else _magnitude(worst, "%")
+        title = counted(len(checks), "other case" if whole else "case") if name == CASES else name
+        if (summary := whole.get(name)) is None:
+            return title, within or "not scored", "", ""
+        band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
+        within = within or summary.status.replace("within", "as a whole")
+        return title, within, _magnitude(summary.rms, summary.unit), band
 
-    words = map(Column, ("within", "RMS", "RMS band", "worst"))
-    rows: list[tuple[Cell, ...]] = [(name, len(checks), *cells_of(name, checks)) for name, checks in groups.items()]
-    return Table.of_rows((Column("table", prose=True), Column("cases", spec="d"), *words), rows)
+    rows = [row_of(name, checks) for name, checks in check_groups(result).items()]
+    return Table.of_rows((Column("table", prose=True), *map(Column, ("within", "RMS", "at most"))), rows)
 
 
 @tables_of.register
 def tables_of_suite(result: SuiteResult) -> list[Table | str]:
-    """Return an overview of a suite, its failures and its verdict; with `every_row` in the question, all tables.
+    """Return the verdict on a suite, an overview and its failures; with `every_row` in the question, all tables.
 
     Cases whose expected value is not filled in yet are always named.
     """
-    every_row = result.question.get("every_row")
-    shown: list[Table | str] = [*suite_tables(result)] if every_row else [overview_table(result)]
+    every_row, checks = result.question.get("every_row"), [check for check in result.checks if not check.in_group]
+    unscored = [] if every_row else [c for c in checks if c.status == "not scored" and c.case.expected is not None]
+    line = in_a_line(result) + (f"; {len(unscored)} not scored (-v)" if unscored else "")
+    shown: list[Table | str] = [VerdictLine(line, good=result.passed)]
+    shown += suite_tables(result) if every_row else [overview_table(result)]
     if not every_row:
         shown += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
-    checks = [check for check in result.checks if not check.in_group]
-    unscored = [] if every_row else [c for c in checks if c.status == "not scored" and c.case.expected is not None]
     notes = note_rows([check for check in checks if check.status != "within" and check not in unscored])
     notes += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
-    if notes:
-        shown += ["", *(f"{name}: {note}" for name, note in notes)]
-    if unscored:
-        shown.append(f"not scored: {counted(len(unscored), 'case')}; --verbose shows them, and why")
-    return [*shown, VerdictLine(in_a_line(result), good=result.passed)]
+    return [*shown, *([""] if notes else []), *(f"{name}: {note}" for name, note in notes)]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
@@ -354,28 +348,50 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
 
-def limits_by_formulas(result: Comparison) -> list[tuple[str, float]]:
-    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula."""
-    florence = [(florence_name(each), each.ballistic_limit_m_s) for each in result.florence]
-    return [*florence, *((f"areal density rule, p = {rule.p:.4g}", rule.ballistic_limit_m_s) for rule in result.rules)]
+def limits_by_formulas(result: Comparison, *, full: bool = True) -> list[tuple[str, float]]:
+    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula.
+
+    The `full` name says what mass and diameter the projectile of Florence's formula has.
+    """
+    name = florence_name if full else (lambda each: f"Florence, {each.projectile}")
+    florence = [(name(each), each.ballistic_limit_m_s) for each in result.florence]
+    power = {rule: f" ^ {rule.p:.3g}" if rule.p_fitted else "" for rule in result.rules}
+    rules = [(f"k times areal density{power[rule]}, fitted", rule.ballistic_limit_m_s) for rule in result.rules]
+    return [*florence, *rules]
 
 
 def comparison_table(result: Comparison) -> Table:
-    """Tabulate the ballistic limits by the model and by formulas, with their errors on tests, and measured ones."""
-    limits = [("this model", result.limit.ballistic_limit_m_s), *limits_by_formulas(result)]
-    errors = [(error.mean_percent, error.left_out_percent, error.largest_percent) for error in result.errors]
-    rows = [(*limit, *error) for limit, error in zip_longest(limits, errors, fillvalue=(None, None, None))]
-    for each in result.measured:
-        name = f"measured: {each.armour}, {each.projectile}, {each.areal_density_kg_m2:.1f} kg/m²"
-        rows.append((name, each.ballistic_limit_m_s, None, None, None))
-    parts = [Column(label, "%", ".1f") for label in ("mean error", "left out", "largest")]
-    return Table.of_rows((Column("by", prose=True), Column("limit", "m/s", ".0f"), *parts), rows)
+    """Tabulate the ballistic limits by the model and by formulas, with their errors on tests.
+
+    Only with `every_row` in the question is there a rule with a fitted exponent, and the errors of tests left out.
+    """
+    every_row, first_rule = bool(result.question.get("every_row")), 1 + len(result.florence)
+    limits = [("the model", result.limit.ballistic_limit_m_s), *limits_by_formulas(result, full=every_row)]
+    rows = [(*limit, *_errors(error)) for limit, error in zip_longest(limits, result.errors)]
+    rules = rows[first_rule:] if every_row else rows[first_rule : first_rule + 1]
+    on_tests = f"mean error on {counted(result.errors[0].count, 'test')}" if result.errors else ""
+    labels = [on_tests, "largest", "each predicted from the others"][: 2 + every_row]
+    columns = Column("by", prose=True), Column("limit", "m/s", ".0f"), *map(Column, labels)
+    parts = 2 + len(labels)
+    return Table.of_rows(columns, [row[:parts] for row in (rows[0], *rules, *rows[1:first_rule])])
+
+
+def _errors(error: Error | None) -> tuple[Cell, ...]:
+    """Return the mean and the largest error of a method in words, and the mean over tests left out of its fit."""
+    errors = () if error is None else (error.mean_percent, error.largest_percent, error.left_out_percent)
+    return tuple(None if part is None else f"{part:.1f} %" for part in errors or [None] * 3)
+
+
+def measured_table(result: Comparison) -> Table:
+    """Tabulate the tested armours whose limits are nearest to the one by the model."""
+    numbers = Column.of("areal_density_kg_m2"), Column.of("ballistic_limit_m_s", ".0f", "measured limit")
+    return Table.of(result.measured, Column.of("armour", prose=True), Column.of("projectile", label="round"), *numbers)
 
 
 def rule_note(result: Comparison) -> str:
     """Return a note on the areal density rules: their factors and tests, or why there are none."""
     if not result.rules:
-        return f"areal density rule: none, without tests of this round and these materials; there are {result.tests}"
+        return f"no errors, without tests of this round and these materials; there are {result.tests}"
     factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
     tests = f"{result.tests}, as was the model's flow stress"
     return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {tests}"
@@ -383,18 +399,23 @@ def rule_note(result: Comparison) -> str:
 
 @line_of.register
 def comparison_in_a_line(result: Comparison) -> str:
-    """Return the ballistic limit by the model."""
+    """Return the ballistic limit by the model, and what tests of this very armour measured or else is expected."""
+    if here := measured_here(result.limit):
+        limit = f"{result.limit.ballistic_limit_m_s:.0f} m/s by the model"
+        return f"{limit}, {limits_in_words(here)} measured on this very armour"
     return in_a_line(result.limit)
 
 
 @tables_of.register
 def tables_of_comparison(result: Comparison) -> list[Table | str]:
-    """Return all tables of a comparison."""
-    missing = ", ".join(result.florence_missing)
-    return [
-        *caveat_lines(result.limit),
-        Table.of_one(result, Column.of("areal_density_kg_m2"), WHOLE),
-        comparison_table(result),
-        *([f"Florence's limit: none, without {missing}"] if missing else []),
-        rule_note(result),
-    ]
+    """Return the limits by the model and by formulas; with `every_row`, also the rules and tested armours."""
+    missing, every_row = ", ".join(result.florence_missing), result.question.get("every_row")
+    unknown = said_of(result.limit.notes, "not known")
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
+    shown += [comparison_table(result), *said_of(result.limit.notes), *crossings(result.limit)]
+    shown += [f"Florence's limit: none, without {missing}"] if missing else []
+    shown += [rule_note(result)] if every_row or not result.rules else []
+    if every_row:
+        shown.append(Table.of_facts({"armour": armour_words(result.limit)}))
+        shown += [measured_table(result)] if result.measured else []
+    return shown

@@ -1,0 +1,108 @@
+"""Tables of offers, as people write them: armours, and what they cost, in the place of the armour of a scenario."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, NamedTuple
+
+from armour.columns import column_of, columns_of
+from armour.csv_files import CsvRow, Rows, TableKind, TableRead, open_table, read_rows
+from armour.errors import InputError, Problem, choices, refuse
+from armour.scenario.inputs import BACKING, CERAMIC, LAYERS, NAMES
+from armour.scenario.scenario import Scenario
+
+# Key of the material by that of its thickness; the price; and a plate, which names its metal.
+MATERIALS = dict(zip(LAYERS, (NAMES["ceramic"], NAMES["backing"]), strict=True))
+PRICE, PLATE = "cost_per_m2", "plate"
+KEYS = (*LAYERS, *MATERIALS.values(), PRICE, PLATE)
+USUAL = "ceramic, ceramic thickness (mm), metal, metal thickness (mm), price per m2"
+
+
+class Offer(NamedTuple):
+    """An armour on offer."""
+
+    name: str  # its first label, or else its place in the table
+    labels: dict[str, str]  # cells of the columns that are kept, by name
+    scenario: Scenario  # with this armour
+    cost_per_m2: float | None  # its price or, without a column of prices, the cost by the scenario
+
+
+class Offers(NamedTuple):
+    """The offers of a table, and how it was read."""
+
+    offers: list[Offer]
+    read: TableRead
+
+
+def read_offers(
+    scenario: Scenario, table: str | PathLike[str] | Rows, keep: Sequence[str] = (), sheet: str | None = None
+) -> Offers:
+    """Read a table of offers; an InputError has every mistake, with its row and column.
+
+    Each row replaces the layers of the scenario's armour that have a column of thicknesses.  Columns of the names in
+    `keep` are labels, of which the first names the offers.
+    """
+    keys = {name: column.key if (column := column_of(name, KEYS)).known else name for name in keep}
+    labels = [key for key in keys.values() if key not in KEYS] or ["offer"]
+    kind = TableKind("offer", (*LAYERS, PRICE), (*labels, *MATERIALS.values(), PLATE), usual=USUAL)
+    source = open_table(table, lambda name: column_of(name, kind.keys).known, sheet, own=True)
+    refuse(
+        Problem(source.file, "keep", f'must name a column, found "{name}"{choices(name, source.header)}')
+        for name in keep
+        if name not in source.header
+    )
+    found = read_rows(source, kind)
+    names = {column.key: name for name, column in zip(source.header, columns_of(source.header, kind.keys), strict=True)}
+    if PLATE in names and MATERIALS[BACKING] not in names:
+        names[MATERIALS[BACKING]] = names.pop(PLATE)
+    refuse(Problem(source.file, key, message) for key, message in _wrong_columns(names))
+    offers = []
+    for row in found.rows:
+        if PLATE in row.texts:
+            row.texts.setdefault(MATERIALS[BACKING], row.texts[PLATE])
+        changes, wrong = _armour(row, names)
+        try:
+            case = scenario.replaced(changes)
+        except InputError as error:
+            case, wrong = scenario, [*wrong, *((problem.key, problem.message) for problem in error.problems)]
+        for key, message in wrong:
+            source.wrong(f"{row.place}: {names.get(key, key)}", message)
+        kept = {name: row.texts.get(key, "") for name, key in keys.items()}
+        cost = row.numbers.get(PRICE) if PRICE in names else case.cost_per_m2()
+        offers.append(Offer(next(iter(kept.values()), row.place), kept, case, cost))
+    source.refuse()
+    return Offers(offers, found.read)
+
+
+def _wrong_columns(names: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield what is wrong with the columns of a table of offers, given their names by key."""
+    if PLATE in names:
+        yield names[PLATE], f"must not be given with {names[MATERIALS[BACKING]]}, which names the metal too"
+    for thickness, material in MATERIALS.items():
+        if material in names and thickness not in names:
+            yield (
+                names[material],
+                f'must have its thickness in another column, such as "{names[material]} thickness (mm)"',
+            )
+    if not {*LAYERS} & {*names} and not {*MATERIALS.values()} & {*names}:
+        yield "", f"must have the thickness of a layer in a column, such as {USUAL}"
+
+
+def _armour(row: CsvRow, names: Mapping[str, str]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """Return the values by key that a row replaces, and what is wrong with its cells, given the columns by key."""
+    changes, wrong = dict[str, Any](), list[tuple[str, str]]()
+    for thickness, material in MATERIALS.items():
+        if thickness not in names:
+            continue
+        name, millimetres = row.texts.get(material), row.numbers.get(thickness)
+        if thickness == CERAMIC and not name and not row.texts.get(thickness, "0").strip("0.,"):
+            changes |= {material: None, thickness: 0.0}  # a bare plate
+            continue
+        if thickness not in row.texts:
+            wrong.append((thickness, 'must be a number, found ""'))
+        if material in names and not name:
+            wrong.append((material, 'must be a name, found ""'))
+        changes |= {} if millimetres is None else {thickness: millimetres}
+        changes |= {material: name} if name else {}
+    if row.numbers.get(PRICE, 0.0) < 0.0:
+        wrong.append((PRICE, f"must be at least 0, found {row.texts[PRICE]}"))
+    return changes, wrong
