@@ -12,6 +12,7 @@ from armour.units import words_and_unit
 
 _DATA = read_toml(shipped("configs") / "columns.toml")
 _COLUMNS = [(key, column["names"]) for column in _DATA["column"] for key in column["keys"]]
+_COLUMNS += [(key, _DATA["averaged"]) for key in ("velocity_m_s", "impact.velocity_m_s")]
 # Usual names of columns by key, without the unit; only letters and digits are compared, whatever their case.
 USUAL_NAMES = {key: [name for other, names in _COLUMNS if other == key for name in names] for key, _ in _COLUMNS}
 # Factors to the units of keys, by the units that people write.
@@ -64,6 +65,7 @@ class Column(NamedTuple):
     unit: str = ""  # as written; "" if the header is the key itself, or has no unit
     known: bool = True
     yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
+    averaged: bool = False  # whether it has one of several velocities of a shot
 
     @property
     def units(self) -> Mapping[str, float] | None:
@@ -108,6 +110,7 @@ _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
 PERFORATED, _COUNTED = _by_word(OUTCOME_WORDS), _by_word(COUNTED)
 # Exactly, as "-1" is not 1.
 _YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
+_AVERAGED = {*map(letters, _DATA["averaged"])}
 _SUMMARIES = {*map(letters, _DATA["summaries"])}
 
 
@@ -188,12 +191,15 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
         if units is None:
             return _of_words(key, header) if whole else Column(header, known=False)
         unit = _UNIT_NAMES.get(ending, "")
-        return Column(key, units.get(unit, 0.0), unit)
+        return Column(key, units.get(unit, 0.0), unit, averaged=letters(stem) in _AVERAGED)
     return Column(header, known=False)
 
 
 def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Return the columns of a table by its header; other names for a key do not count if the key itself is there."""
+    """Return the columns of a table by its header.
+
+    Other names for a key do not count if the key itself is there, nor several velocities beside that of the impact.
+    """
     result = next((key for key in RESULT_KEYS if key in keys), "")
     names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
     columns = []
@@ -202,7 +208,11 @@ def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
         if column.known and column.key in YES_MEANS:
             column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
         columns.append(Column(name, known=False) if column.key in header and name != column.key else column)
-    return columns
+    alone = {column.key for column in columns if not column.averaged}
+    return [
+        column._replace(key=name, known=False) if column.averaged and column.key in alone else column
+        for name, column in zip(header, columns, strict=True)
+    ]
 
 
 def _of_words(key: str, header: str) -> Column:

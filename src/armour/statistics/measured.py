@@ -16,7 +16,6 @@ from armour.csv_files import (
     Source,
     TableKind,
     TableRead,
-    by_values,
     not_filled,
     open_table,
     read_rows,
@@ -243,7 +242,7 @@ def read_open_tests(
     for name, values in table.groups.items() if closed else ():
         is_lot = column_of(name, ("lot",)).known
         if len({*values}) > 1 and (is_lot or (are_shots and targets_of(table, name, results))):
-            source.divided(name, *by_values(name, values, "test"))
+            source.divided(name, values, "test")
     source.refuse()
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
