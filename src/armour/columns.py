@@ -49,6 +49,8 @@ _DOUBT = re.compile(r"[^\w\s.,'\u2019/-]")
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
 _OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
 _EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
+# Yes, in a column of crosses and blanks.
+CROSS = "x"
 # Greatest number of letters of a code, such as PP, which does not say what yes means.
 LONGEST_CODE = 3
 
@@ -78,6 +80,11 @@ class Column(NamedTuple):
         return BOUNDS.get(self.key) or BOUNDS.get(words_and_unit(self.key)[1], (-inf, inf))
 
     @property
+    def counts(self) -> bool:
+        """Whether it says which rows count."""
+        return self.key == COUNT_KEYS[0]
+
+    @property
     def in_unit(self) -> str:
         """The quantity and its unit, in words, such as "velocity in ft/s"."""
         return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
@@ -87,6 +94,19 @@ class Column(NamedTuple):
         said = None if self.yes is None else is_yes(word)
         words = _COUNTED if self.key in COUNT_KEYS else PERFORATED
         return _meaning(word, words) if said is None else said == self.yes
+
+    def words(self, cells: Sequence[str]) -> Sequence[str]:
+        """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
+
+        If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say
+        that a row does not count, a blank cell says that it does.
+        """
+        given = {cell.casefold() for cell in cells} - {""}
+        if self.counts and {*map(self.says, given)} == {False}:
+            return [cell or ("no" if self.yes is False else "yes") for cell in cells]
+        if self.yes is None or given - {CROSS} or not (given or (self.counts and self.yes is False)):
+            return cells
+        return ["yes" if cell else "no" for cell in cells]
 
 
 def folded(text: str) -> str:
@@ -129,7 +149,12 @@ def is_yes(word: str) -> bool | None:
     return _YES.get(word.casefold())
 
 
-def is_summary(name: str) -> bool:
+def is_code(text: str) -> bool:
+    """Return whether a text is as short as a code, such as PP."""
+    return len(letters(text)) <= LONGEST_CODE
+
+
+def sums_up(name: str) -> bool:
     """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
     return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
 
@@ -232,6 +257,6 @@ def _of_words(key: str, header: str) -> Column:
     said = {column._replace(yes=None).says(words) for words in re.split(f"[,;]|{_OR}", rest) if letters(words)}
     if said in (set(), {False, True}) or (column.yes is not None and None in said):
         return column
-    if None in said or len(letters(rest)) <= LONGEST_CODE:
+    if None in said or is_code(rest):
         return Column(key, unit=note)
     return column._replace(yes=said == {True}) if column.yes in (None, *said) else Column(key, 0.0, note)

@@ -13,24 +13,12 @@ from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
 from statistics import fmean
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-from armour.columns import (
-    COUNT_KEYS,
-    GROUPS,
-    LONGEST_CODE,
-    MAX_NAME,
-    RESULT_KEYS,
-    Column,
-    columns_of,
-    is_summary,
-    is_unit,
-    is_yes,
-    letters,
-)
+from armour.columns import GROUPS, MAX_NAME, RESULT_KEYS, Column, columns_of, is_code, is_unit, is_yes, letters, sums_up
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import WORKBOOKS, csv_value, located, named, reason, refuse_pipe, shell_line, shipped_tests
-from armour.foreign import items, plain
+from armour.foreign import Rows, records
 from armour.units import key_hint
 from armour.workbooks import MAX_UNPACKED, Workbook, comments_of, rows_of, workbook_of
 
@@ -43,8 +31,6 @@ HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
-# Yes, in a column of crosses and blanks.
-CROSS = "x"
 # Relative difference of two numbers that are rounded in different units, and of several velocities of one shot.
 SAME, AGREEING = 1e-3, 0.01
 # Least number of numbers that may lie in two groups, and the least distance of these, in ranges of the wider one.
@@ -64,19 +50,6 @@ _GROUPED = {
 }
 
 
-class Frame(Protocol):
-    """A data frame of pandas or polars."""
-
-    @property
-    def columns(self) -> Any:
-        """Names of the columns."""
-
-    def __getitem__(self, name: Any, /) -> Any:
-        """Return a column."""
-
-
-# Rows given in Python: mappings by column, columns by name, or a data frame.
-Rows = Iterable[Mapping[str, Any]] | Mapping[str, object] | Frame
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 
@@ -104,19 +77,17 @@ class Source:
         """Return the name of a column, or its number if it has no name."""
         return self.header[place] or f"column {place + 1}"
 
-    def check_marks(self, lines: Iterable[Line]) -> None:
-        """Record as wrong the lines, of those that count, that are hidden or struck through in a sheet."""
-        for place in self.marked.keys() & {place for place, _ in lines}:
-            self.wrong(
-                place, f"must not be {self.marked[place]} if it counts; show it, or leave it out by a column counts"
-            )
+    def check_marks(self, places: Iterable[str]) -> None:
+        """Record as wrong the rows, of those that count, that are hidden or struck through in a sheet."""
+        for place in self.marked.keys() & {*places}:
+            self.wrong(place, f"must not be {self.marked[place]} if it counts; show it, or let a column counts say no")
 
     def divided(self, name: str, cells: Sequence[str], noun: str, unread: str = "") -> None:
         """Record as wrong that a column divides the rows by its cells, with the ways on."""
         counts = Counter(cells).most_common()
         found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
         options, word = ("--where", f"{name}={counts[0][0]}"), shell_line([name])
-        each = f", --each {word} answers for each" * (noun == "shot" and "" not in cells)
+        each = f", --each {word} answers for each" * (noun == "shot" and "" not in cells and None in map(is_yes, cells))
         ways = f"{shell_line(options)} chooses{each}, --ignore {word} counts all"
         self.wrong(name, f"{unread}divides the {noun}s: {found}; {ways}")
         self.options += options
@@ -125,24 +96,24 @@ class Source:
         self,
         name: str,
         column: Column,
-        places: Sequence[str],
+        at: Sequence[str],
         cells: Sequence[str],
-        mark: str | None = None,
+        mark: str = "",
         *,
         needed: bool = False,
-    ) -> tuple[list[float | None], str | None]:
+    ) -> tuple[list[float | None], str]:
         """Return the numbers of a column, in the unit of its key, and their decimal mark, unless `mark` gives it.
 
         A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
         `needed`.
         """
-        mark = mark or decimal_mark(cells, column, self.form)
+        mark = mark or decimal_mark(cells, column, self.form) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
-        if mark is None or None in values:
+        if not mark or None in values:
             for index, cell in enumerate(cells):
-                message = two_meanings(cell) if mark is None else ""
+                message = "" if mark else two_meanings(cell)
                 if message or (values[index] is None and (cell or needed)):
-                    self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
+                    self.wrong(f"{at[index]}: {name}", message or f'must be a number, found "{cell}"')
                     values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
         self.form += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
@@ -218,7 +189,6 @@ class CsvRow(NamedTuple):
 class CsvTable(NamedTuple):
     """The rows of a table, and how they were read; the source has the mistakes, to which the caller adds its own."""
 
-    file: str
     rows: list[CsvRow]
     read: TableRead
     groups: dict[str, list[str]]  # cells of the columns that tell targets apart, by name
@@ -307,9 +277,7 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     while header and not header[-1] and not any(cells[len(header) - 1 : len(header)] > [""] for _, cells in head):
         header.pop()
     if any(len(name) > MAX_NAME for name in header):
-        raise mistake(
-            source.file, source.place, f"must have names of at most {MAX_NAME} characters, found a longer one"
-        )
+        raise mistake(source.file, source.place, f"must have names of at most {MAX_NAME} characters")
     units = head[0][1] if head else []
     if any(map(is_unit, units)) and all(is_unit(unit) or unit in ("", "-", "[-]") for unit in units):
         head = head[1:]
@@ -426,19 +394,13 @@ def shipped_rows(name: str) -> list[dict[str, str]]:
 
 def _of_rows(table: Any) -> Source:
     """Return a source for rows given in Python: mappings, columns by name, or a data frame."""
-    columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
-        # A data frame gives its columns, and anything else its rows.  If two names are the same, these are too short.
-        records = (
-            table if columns is None else zip(*(items(table[name]) for name in dict.fromkeys(columns)), strict=True)
-        )
-        rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
+        rows = records(table)
     except (TypeError, ValueError):
         message = "must be a path, rows as mappings, columns of equal length, or a data frame with different names"
         raise mistake("rows", "", f"{message}, found a {type(table).__name__}") from None
-    names = [*dict.fromkeys(name for row in rows for name in row)]
-    lines = [(f"row {place}", [_cell(row.get(name)) for name in names]) for place, row in enumerate(rows, 1)]
-    header = [*map(str, names)]
+    header = [*dict.fromkeys(name for row in rows for name in row)]
+    lines = [(f"row {place}", [row.get(name, "") for name in header]) for place, row in enumerate(rows, 1)]
     digest = sha256(json.dumps([header, *(cells for _, cells in lines)]).encode())
     return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
 
@@ -464,13 +426,14 @@ def read_rows(
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
     unread = {i for i, column in enumerate(columns) if not column.known and not column.averaged}
     unread -= {i for i, _ in chosen} | unwanted
-    columns, every, uncounted = _checked(source, kind, columns, unread, least)
-    lines = _chosen(source, columns, every, chosen, uncounted)
-    not_used = (*_not_used(source, every, uncounted, chosen),)
-    left_out = tuple(place for place, _ in lines if place in uncounted)
-    lines = [line for line in lines if line[0] not in uncounted]
-    source.check_marks(lines)
+    columns, every, reasons = _checked(source, kind, columns, unread, least)
+    lines = _chosen(source, columns, every, chosen, reasons)
+    unused = [(place, reasons[place], cells) for place, cells in every if place in reasons]
+    not_used = tuple(NotUsed(place, source.title(index), cells[index], (*cells,)) for place, index, cells in unused)
+    left_out = tuple(place for place, _ in lines if place in reasons)
+    lines = [line for line in lines if line[0] not in reasons]
     places = [place for place, _ in lines]
+    source.check_marks(places)
     rows = [CsvRow(place, {}, {}) for place in places]
     groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
     repeated: dict[str, dict[str, list[float | None]]] = {}
@@ -510,14 +473,12 @@ def read_rows(
     names = Counter(row.texts.get(kind.texts[0]) for row in rows)
     if several := [name for name, count in names.items() if name and count > 1]:
         notes.append(f"several {kind.noun}s named {listed(several)}")
-    if left_out:
-        notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
-    if equal:
-        notes.append(f"{listed(equal)} equal to an earlier row, counted")
+    notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
+    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
     told = source.told(counted(len(rows), kind.noun), notes)
     digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
     read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
-    return CsvTable(file, rows, read, groups)
+    return CsvTable(rows, read, groups)
 
 
 def are_remarks(cells: Sequence[str]) -> bool:
@@ -528,7 +489,7 @@ def are_remarks(cells: Sequence[str]) -> bool:
     """
     texts = {*cells} - {""}
     if "" in cells and texts:
-        return all(len(letters(text)) > LONGEST_CODE and not is_number(text) and is_yes(text) is None for text in texts)
+        return not any(is_code(text) or is_number(text) or is_yes(text) is not None for text in texts)
     return len(texts) == len(cells) and any(map(_PHRASE.search, texts))
 
 
@@ -576,16 +537,6 @@ def _checked(
     return columns, whole, uncounted
 
 
-def _not_used(
-    source: Source, lines: Sequence[Line], uncounted: Mapping[str, int], chosen: Sequence[tuple[int, str]]
-) -> Iterator[NotUsed]:
-    """Yield the lines that are not used, by the values of the `chosen` columns or as they do not count."""
-    for place, cells in lines:
-        deciding = [index for index, value in chosen if cells[index] != value]
-        for index in [*deciding, *([uncounted[place]] if place in uncounted else [])][:1]:
-            yield NotUsed(place, source.title(index), cells[index], (*cells,))
-
-
 def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | None]], rows: Sequence[CsvRow]) -> None:
     """Fill the rows with the means of several numbers of a quantity, which must agree."""
     for index, row in enumerate(rows):
@@ -600,7 +551,7 @@ def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | No
 
 def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> None:
     """Fill the rows with the cells of a column of texts."""
-    words = no_crosses(cells, column)
+    words = column.words(cells)
     for row, cell in zip(rows, words, strict=True):
         is_word = is_yes(cell) is not None
         if is_word and column.unit:
@@ -613,39 +564,23 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
     source.form += ["x for yes"] * (words is not cells)
 
 
-def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
-    """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
-
-    If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say that a
-    row does not count, a blank cell says that it does.
-    """
-    words = {cell.casefold() for cell in cells} - {""}
-    if column.key == COUNT_KEYS[0] and {*map(column.says, words)} == {False}:
-        return [cell or ("no" if column.yes is False else "yes") for cell in cells]
-    leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
-    if column.yes is None or words - {CROSS} or not (words or leaves_out):
-        return cells
-    return ["yes" if cell else "no" for cell in cells]
-
-
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
     """Return the columns; one that repeats another in another unit or in opposite words is not `known` any more."""
 
     def values(place: int) -> list[float]:
         column, cells = columns[place], [cells[place] for _, cells in lines]
         if column.yes is not None:
-            return [nan if (said := column.says(cell)) is None else said for cell in no_crosses(cells, column)]
+            return [nan if (said := column.says(cell)) is None else said for cell in column.words(cells)]
         mark = decimal_mark(cells, column, source.form) or "."
         return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
 
     kept, first_places = [*columns], dict[str, int]()
     for place, column in sorted(enumerate(columns), key=lambda pair: pair[1].factor != 1.0):
-        if column.known and column.factor and (column.unit or column.yes is not None) and column.key != COUNT_KEYS[0]:
+        if column.known and column.factor and (column.unit or column.yes is not None) and not column.counts:
             first = first_places.setdefault(column.key, place)
             is_other = (columns[first].unit, columns[first].yes) != (column.unit, column.yes)
-            if is_other and all(
-                isclose(*pair, rel_tol=SAME) for pair in zip(values(first), values(place), strict=True)
-            ):
+            pairs = zip(values(first), values(place), strict=True)
+            if is_other and all(isclose(*pair, rel_tol=SAME) for pair in pairs):
                 kept[place] = Column(source.header[place], known=False)
     return kept
 
@@ -684,16 +619,14 @@ def _wrong_columns(
 
 
 def _chosen(
-    source: Source,
-    columns: Sequence[Column],
-    lines: list[Line],
-    chosen: Sequence[tuple[int, str]],
-    uncounted: Collection[str],
+    source: Source, columns: Sequence[Column], lines: list[Line], chosen: list[tuple[int, str]], reasons: dict[str, int]
 ) -> list[Line]:
     """Return the lines that have the `chosen` values in the columns of the given indices.
 
-    `uncounted` has the places of lines that do not count, in which such a column may be blank.
+    `reasons` has the columns by which lines are not used, by place: so far those that do not count, in which a chosen
+    column may be blank.  It gets those that are not chosen.
     """
+    uncounted = {*reasons}
     for index, value in chosen:
         name, values = source.title(index), dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
@@ -702,6 +635,7 @@ def _chosen(
         if columns[index].known and columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
             refuse(not_filled(source.file, name, blank))
+        reasons |= {place: index for place, cells in lines if cells[index] != value}
         lines = [line for line in lines if line[1][index] == value]
     return lines
 
@@ -726,11 +660,11 @@ def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line],
     Each is given by its place, with the index of the column that says so.
     """
     by_key = {column.key: place for place, column in enumerate(columns) if column.known}
-    name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
-    places = {place: name for place, cells in lines if name is not None and is_summary(cells[name])}
+    name, index = by_key.get(naming), next((place for place in by_key.values() if columns[place].counts), None)
+    places = {place: name for place, cells in lines if name is not None and sums_up(cells[name])}
     if index is None:
         return places
-    for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
+    for (place, _), cell in zip(lines, columns[index].words([cells[index] for _, cells in lines]), strict=True):
         counts = columns[index].says(cell)
         if counts is None and place not in places:
             source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
@@ -795,7 +729,7 @@ def number_as(cell: str, mark: str) -> float | None:
     return value
 
 
-def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
+def targets_of(source: Source, table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
     """Return the values of a column that stand for targets, not serial numbers.
 
     At least three shots have such a value, or shots with both results.  Blank cells, as in merged cells of a sheet, are
@@ -807,7 +741,7 @@ def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) ->
     targets = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
     if targets and len(shots) > 1:
         blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
-        refuse(not_filled(table.file, name, blank))
+        refuse(not_filled(source.file, name, blank))
     return [*filter(None, targets)]
 
 
@@ -821,12 +755,6 @@ def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
     """Yield the problem of a column that names targets and is blank in some rows, given their places."""
     if blank:
         yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
-
-
-def _cell(value: object) -> str:
-    """Return a value as the text of a cell, which is empty for one that is missing."""
-    value = plain(value)
-    return "" if value is None or (not hasattr(value, "__len__") and value != value) else str(value).strip()
 
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:

@@ -202,12 +202,16 @@ def with_column(folder: Path, name: str, cells: str, **settings: object) -> armo
         ("Ausrei\u00dfer", "||||||ja", "blank (6 shots), ja (1 shot)"),
         ("Remarks", "|NFH|spall on witness||||", "blank (5 shots), NFH (1 shot), spall on witness (1 shot)"),
         ("flag", "||1||||", "blank (6 shots), 1 (1 shot)"),
-        ("operator", "A|A|B|B|B|B|B", "B (5 shots), A (2 shots); --where operator=B chooses, --ignore operator counts"),
+        (
+            "operator",
+            "A|A|B|B|B|B|B",
+            "B (5 shots), A (2 shots); --where operator=B chooses, --each operator answers for",
+        ),
         ("tile", "8|8|8|8|10|10|10", "8 (4 shots), 10 (3 shots)"),
         ("yaw", "0.4|1.2|0.8|2.1|1.1|6.4|0.9", "up to 2.1, from 6.4; a column counts leaves shots out, --ignore yaw"),
         ("yaw", "0.4|1.2|7.3|2.1|1.1|6.4|8.1", "up to 2.1, from 6.4"),
         ("Temp", "-40.1|-39.5|-40.3|60.2|59.9|60.1|-39.9", "up to -39.5, from 59.9"),
-        ("", "A|A|B|A|A|A|A", "A (6 shots), B (1 shot); --where 'column 3=A' chooses, --ignore 'column 3' counts all"),
+        ("", "A|A|B|A|A|A|A", "A (6 shots), B (1 shot); --where 'column 3=A' chooses, --each 'column 3' answers"),
     ],
 )
 def test_a_column_that_is_not_read_and_divides_the_shots_is_refused(

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import COUNT_KEYS, GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
-from armour.csv_files import SEPARATORS, Source, decimal_mark, no_crosses, open_table, places_of, read_rows
+from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
+from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
 from armour.files import reason
 from armour.statistics.v50 import SHOTS, TARGET, Shots, is_of_shots
@@ -70,7 +70,7 @@ def with_shot(
             row[place] = row[place] or (target if column.key == TARGET else "")
         elif column.known and column.key == "result":
             row[place] = _spelt(bool(perforates(word)), word, cells, column)
-        elif column.known and column.key == COUNT_KEYS[0]:
+        elif column.known and column.counts:
             row[place] = _spelt(True, "no" if column.yes is False else "yes", cells, column)
         elif column.known and column.key == "velocity_m_s":
             usual = "," if "semicolons" in source.form else "."
@@ -128,7 +128,7 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
     It is the last of the cells that mean `says`.  Without one, it is the counterpart of the last word in the column or
     else `word`, capitalised like the last word.
     """
-    meant = no_crosses(cells, column)
+    meant = column.words(cells)
     if same := [cell for cell, text in zip(cells, meant, strict=True) if column.says(text) == says]:
         return same[-1]
     if meant is not cells:

@@ -482,7 +482,7 @@ def shots_of(
         if result is None:
             source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
     for name, values in table.groups.items():
-        if len({*values}) > 1 and csv_files.targets_of(table, name, results):
+        if len({*values}) > 1 and csv_files.targets_of(source, table, name, results):
             source.divided(name, values, "shot")
     targets = [row.texts.get(TARGET, "") for row in rows]
     if len({*targets} - {""}) > 1:
@@ -520,7 +520,7 @@ def firings_of(path: Table, ignore: Sequence[str] = ()) -> list[tuple[str, str]]
     source.refuse()
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if len(csv_files.targets_of(table, name, results)) > 1:
+        if len(csv_files.targets_of(source, table, name, results)) > 1:
             return [(name, value) for value in dict.fromkeys(values)]
     return []
 
