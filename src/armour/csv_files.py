@@ -87,7 +87,8 @@ class Source:
         counts = Counter(cells).most_common()
         found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
         options, word = ("--where", f"{name}={counts[0][0]}"), shell_line([name])
-        each = f", --each {word} answers for each" * (noun == "shot" and "" not in cells and None in map(is_yes, cells))
+        are_lots = noun == "shot" and counts[-1][1] > 1 and "" not in cells and None in map(is_yes, cells)
+        each = f", --each {word} answers for each" * are_lots
         ways = f"{shell_line(options)} chooses{each}, --ignore {word} counts all"
         self.wrong(name, f"{unread}divides the {noun}s: {found}; {ways}")
         self.options += options
@@ -592,8 +593,7 @@ def _wrong_columns(
     keys, usual = kind.keys, kind.usual or ", ".join(kind.keys)
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
-    by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
-    missing, several = [key for key in keys if key not in {*by_other_names, *kind.exact}], set[str]()
+    missing, several = [key for key in keys if key not in {*known_keys, *kind.exact}], set[str]()
     for place, (name, column) in enumerate(zip(source.header, columns, strict=True)):
         if column.known and column.factor == 0.0 and column.units is None:
             yield name, f'must agree with the words for results or yes and no, found "{column.unit}"'

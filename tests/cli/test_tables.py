@@ -75,6 +75,34 @@ def test_a_column_that_is_not_read_may_be_chosen_by_or_ignored(cli, folder: Path
         assert " 4 " in cli(*words, "--ignore", "unfair hit").stderr
 
 
+def test_a_column_like_one_that_is_read_is_judged_by_its_cells(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,retest\n700,P,no\n730,C,no\n715,P,no\n800,P,yes\n")
+    assert cli.fails(2, "v50", "t.csv")[0].startswith("t.csv: retest: is not read and divides the shots: no (3 shots)")
+
+
+def test_each_lot_is_closed(cli, folder: Path):
+    """What divides one lot is said of it, and a column that only tells the lots apart divides none."""
+    head, shots = "velocity_m_s,result,lot,kiln,gunner\n", [(700, "P"), (720, "C"), (712, "P"), (716, "C")]
+    rows = [f"{v},{word},{lot},{kiln},Jones\n" for lot, kiln in (("A", "old"), ("B", "new")) for v, word in shots]
+    (folder / "t.csv").write_text(head + "".join(rows))
+    assert "lot A, without kiln, gunner" in cli("v50", "t.csv", "--each", "lot").stderr
+    (folder / "t.csv").write_text(head + "".join([*rows, "750,C,B,new,Smith\n"]))
+    line = cli.fails(2, "v50", "t.csv", "--each", "lot")[-1]
+    assert line.startswith("t.csv: lot B: gunner: is not read and divides the shots: Jones (4 shots), Smith (1 shot)")
+    for words in (["--where", "gunner=Jones"], ["--ignore", "gunner"]):
+        assert "V50 not found to differ: lot B minus lot A" in cli("v50", "t.csv", "--each", "lot", *words).stdout
+
+
+def test_a_shot_is_taken_back_by_the_rules_of_the_table(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,void\n700,P,\n730,C,\n715,P,\n800,P,x\n")
+    undo = ["plan", "shots", "t.csv", *SOON, "--undo"]
+    cli(*undo, "--where", "void=")
+    assert (folder / "t.csv").read_text() == "velocity_m_s,result,void\n700,P,\n730,C,\n800,P,x\n"
+    assert "void: is not read and divides" in cli.fails(2, "plan", "shots", "t.csv", *SOON)[0]
+    cli(*undo)
+    assert (folder / "t.csv").read_text() == "velocity_m_s,result,void\n700,P,\n730,C,\n"
+
+
 def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
     (folder / "s.toml").write_text(SUITE + "band = 0.5\n")
     head, *rows = TESTS.format("b").splitlines()

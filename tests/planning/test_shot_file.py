@@ -128,8 +128,8 @@ def test_other_columns_stay_and_misspelt_ones_are_refused(tmp_path: Path):
     path = tmp_path / "s.csv"
     path.write_text("shot,velocity_m_s,result,yaw_deg\nA1,700,partial,1\nA2,750.25,complete,\n")
     assert read_shots(path).names == ("A1", "A2")
-    for wrong in ("shots", "results"):
-        path.write_text(f"velocity_m_s,result,{wrong}\n700,partial,1\n")
+    for header, wrong in (("velocity_m_s,result", "shots"), ("velocity_m_s,shot", "results")):
+        path.write_text(f"{header},{wrong}\n700,partial,1\n")
         with pytest.raises(InputError, match=f"{wrong}: unknown column"):
             read_shots(path, one_kind=True)
     path.write_text("test,ballistic_limit_m_s\na,700\n")

@@ -211,7 +211,7 @@ def with_column(folder: Path, name: str, cells: str, **settings: object) -> armo
         ("yaw", "0.4|1.2|0.8|2.1|1.1|6.4|0.9", "up to 2.1, from 6.4; a column counts leaves shots out, --ignore yaw"),
         ("yaw", "0.4|1.2|7.3|2.1|1.1|6.4|8.1", "up to 2.1, from 6.4"),
         ("Temp", "-40.1|-39.5|-40.3|60.2|59.9|60.1|-39.9", "up to -39.5, from 59.9"),
-        ("", "A|A|B|A|A|A|A", "A (6 shots), B (1 shot); --where 'column 3=A' chooses, --each 'column 3' answers"),
+        ("", "A|A|B|A|A|A|A", "A (6 shots), B (1 shot); --where 'column 3=A' chooses, --ignore 'column 3' counts all"),
     ],
 )
 def test_a_column_that_is_not_read_and_divides_the_shots_is_refused(

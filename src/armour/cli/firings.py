@@ -37,7 +37,12 @@ def each_result(
     results, unanswered = {}, {}
     for name, value in lots_of(table, column, where, sheet, ignore):
         chosen = {**where, name: value}
-        fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore))
+        try:
+            fired = armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore)
+        except InputError as error:
+            problems = [problem._replace(key=f"{name} {value}: {problem.key}") for problem in error.problems]
+            raise InputError(problems) from None  # options that suit this lot need not suit the others
+        say_how_read(table, fired)
         try:
             results[f"{name} {value}"] = answer(fired)
         except NoAnswerError as error:

@@ -50,7 +50,7 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
         picture = lambda sheet: by_result(draw, result)(result, sheet, alone=True)  # noqa: E731
         sections.insert(1, ReportSection("Curve", pictures=(picture,)))
     if differences:
-        sections.append(ReportSection("Other lots", (*differences, views.ONE_SCATTER)))
+        sections.append(ReportSection("Other lots", (*map(_sentence, (*differences, views.ONE_SCATTER)),)))
     read = shots.read and f"{Path(shots.file).name}: {shots.read.words}; SHA-256 {shots.read.sha256}."
     origin = origin_section(command, read or "", scenario)
     *hashes, made_by = origin.paragraphs
@@ -60,7 +60,7 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
     return Report(
         title=f"{', '.join(filter(None, ('Record of a firing', name)))}: {lines[0] if lines else computed}",
         text="; ".join((*lines[1:], computed) if lines else ()),
-        lead=f"{'; '.join(filter(None, (verdict, _v50_fact(result))))}.",
+        lead=_sentence("; ".join(filter(None, (verdict, _v50_fact(result))))),
         passed=result.decision == "met" if verdict else None,
         byline=names,
         facts=(_mean_fact(result, mean), _asked_fact(result)),
@@ -68,6 +68,11 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
         sections=(*sections, origin),
         signed=SIGNED,
     )
+
+
+def _sentence(words: str) -> str:
+    """Return words as a sentence."""
+    return f"{words[:1].upper()}{words[1:]}."
 
 
 def _v50_section(result: FiringResult, notes: Sequence[str]) -> ReportSection:
