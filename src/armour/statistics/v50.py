@@ -94,8 +94,8 @@ class Shots:
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
         out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given,
-        ``warnings`` with the remarks in columns that were not read, the lines above the header as ``title``, and the
-        rows ``not_used``.
+        ``warnings`` with the remarks in columns that were not read, the lines above the header as ``title``, the rows
+        ``not_used``, and the columns by which rows were ``chosen``, each with its value.
     target : str
         Armour and round that they were fired at, if the table says so.
     """
