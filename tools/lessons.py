@@ -159,8 +159,8 @@ def dot(x: float, y: float, colour: str) -> str:
 
 
 def thickness() -> str:
-    """Return the areal density of the thinnest ceramic for each back plate that stops the round."""
-    frontier = armour.optimise(SCENARIO).frontier
+    """Return the areal density of the thinnest ceramic for each back plate that stops the round by the model."""
+    frontier = armour.optimise(SCENARIO.replaced({"uncertainty.model.included": False})).frontier
     lightest = min(design.areal_density_kg_m2 for design in frontier)
     near = [d.backing_thickness_mm for d in frontier if d.areal_density_kg_m2 <= 1.03 * lightest]
     x, y = scale(2, 52, 24.5), scale(46, 236, -13.5)

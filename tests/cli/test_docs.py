@@ -59,12 +59,12 @@ def titled(page: Path) -> dict[str, str]:
 
 # Hosts that links of the pages may have.
 HOSTS = {"doi.org", "creativecommons.org"}
-SESSIONS = [
-    pytest.param(page, commands, id=f"{name}: {commands[0][0]}")
+# The commands of a page in their order, as later ones may read what earlier ones write.
+SESSIONS = {
+    name: commands
     for page, name in zip(PAGES, IDS, strict=True)
-    for commands in sessions(page)
-    if commands[0][0].startswith("armour ")
-]
+    if (commands := [each for block in sessions(page) for each in block if each[0].startswith("armour ")])
+}
 
 
 def python(page: Path) -> list[str]:
@@ -101,11 +101,11 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize(("page", "commands"), SESSIONS)
+@pytest.mark.parametrize("name", SESSIONS)
 @pytest.mark.usefixtures("empty", "not_drawn")
-def test_a_session_prints_what_it_shows(page: Path, commands: list[tuple[str, list[str]]]):
-    write_files(page)
-    for command, lines in commands:
+def test_the_sessions_of_a_page_print_what_they_show(name: str):
+    write_files(REPOSITORY / name)
+    for command, lines in SESSIONS[name]:
         result = run(command)
         may_end = {"check": (0, 3), "validate": (0, 3), "v50": (0, 3), "optimise": (0, 1)}
         assert result.exit_code in may_end.get(command.split()[1], (0,)), result.output
@@ -113,6 +113,17 @@ def test_a_session_prints_what_it_shows(page: Path, commands: list[tuple[str, li
             pattern = "".join(r"(?:.*\n)*" if line == LEFT_OUT else f"{re.escape(line)}\n" for line in lines)
             texts = (result.stdout, result.stdout + result.stderr)
             assert any(re.fullmatch(pattern, text) for text in texts), f"{command} prints\n{texts[1]}"
+
+
+def test_no_page_writes_a_file_of_another():
+    """A reader may follow all pages in one folder: no command replaces a file."""
+    written: dict[str, set[str]] = {}
+    for page, name in zip(PAGES, IDS, strict=True):
+        commands = " ".join(command for command, _ in SESSIONS.get(name, []))
+        saved = re.findall(r"(?:--save|--plot|--csv|--map|--write-scenario|-o|>) ([\w.-]+)", commands)
+        for file in [*titled(page), *saved]:
+            written.setdefault(file, set()).add(name)
+    assert {file: pages for file, pages in written.items() if len(pages) > 1} == {}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)

@@ -51,10 +51,17 @@ def test_the_longest_run_allowed_ends_in_a_message(cli, monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(
     "words",
-    ["", "simulate", "simulate a.toml --velocity fast", "fly", "sweep wilkins --threads 0"],
+    ["simulate", "simulate a.toml --velocity fast", "fly", "sweep wilkins --threads 0"],
 )
 def test_wrong_usage(cli, words: str):
     assert cli(*words.split()).exit_code == 2
+
+
+def test_the_program_alone_shows_its_commands(cli):
+    assert (cli().exit_code, cli().stdout) == (0, cli("--help").stdout[:-1])
+    lines = cli().stdout.splitlines()
+    assert len(lines) <= 36
+    assert max(map(len, lines)) <= 80
 
 
 @pytest.mark.parametrize("words", [("check", ""), ("simulate", ""), ("check", "wilkins", "--junit", "")])

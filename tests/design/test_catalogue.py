@@ -1,6 +1,5 @@
 """Catalogues: layers, threats, constraints and costs, and wrong questions about them."""
 
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -222,14 +221,14 @@ def test_more_than_can_be_meant(monkeypatch: pytest.MonkeyPatch, most: dict[str,
     assert message in str(error.value)
 
 
-def test_every_design_says_in_what_it_lies_outside_the_tests_as_check_does():
+def test_every_design_says_in_what_it_is_far_from_the_tests_as_check_does():
     asked = catalogue([{"projectile": "7.62 mm AP", "velocity_m_s": 700.0}])
     best = [pair.best for pair in optimise(asked).pairs if pair.best is not None]
     assert {design.ceramic for design in best} == {"AD85", "AD99.5"}
     for design in best:
         [threat] = check(design.scenario).threats
-        assert threat.outside_tests == design.outside_tests
-        assert (design.outside_tests.get("ceramic") == inf) == design.untested
+        assert threat.far_from_tests == design.far_from_tests
+        assert (f"{design.ceramic} (no test)" in design.far_from_tests) == design.untested
 
 
 def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_what_they_lack():

@@ -228,7 +228,7 @@ def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer(
     # 9 mm is thicker than tested against one round and too thin for the other.
     layers = offer("SiC", 9.0, "6061-T6", 40.0)
     found = armour.optimise(thin.replaced({"threat": rounds, "design": layers}))
-    assert known(found.best).outside_tests["ceramic_thickness_ratio"] == pytest.approx(9.0 / 9.7, abs=0.01)
+    assert known(found.best).far_from_tests[0] == "SiC (no test)"
     words += " against 12.7 mm APM2 at 500 m/s"
     assert [words in texts_of(found), said(found)] == [True, [words]]
     thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))

@@ -1,7 +1,6 @@
 """Where an armour is unlike what the model was compared with, and errors that are given."""
 
 from collections import defaultdict
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from armour.evidence.tests import (
     far_from_tests,
     is_unusual,
     limits_of_model,
-    outside_tests,
     scenario_warnings,
     shipped_evidence,
     threat_warnings,
@@ -268,46 +266,6 @@ def test_what_is_shipped_is_not_unusual():
             assert not unusual(scenario(projectile, None, metal, 0.0, diameter)), (projectile, metal)
 
 
-def test_the_factors_by_which_an_armour_lies_outside_the_tests():
-    diameter_mm = scenario().inputs()["projectile.penetrator_diameter_mm"]
-    low = next(limits.low for limits in TILES.measured if limits.name == RATIOS[0])
-
-    def found(velocity: float = 800.0, **changes: Any) -> dict[str, float]:
-        return outside_tests(armours_of(scenario(**changes)), np.array([velocity]))[0]
-
-    assert found() == found(np.nan) == {}
-    assert found(velocity=1430.0) == {"velocity_m_s": pytest.approx(1.1)}
-    assert found(ceramic_mm=3.0) == {RATIOS[0]: pytest.approx(3.0 / (low * diameter_mm))}
-    # No ceramic but AD85 has tests, and the results of the paper's program are none.
-    for ceramic in ("SiC", "AD99.5"):
-        assert found(ceramic=ceramic) == {"ceramic": inf}
-    farthest_first = ["ceramic", RATIOS[0], "backing_strength_GPa"]
-    assert list(found(ceramic="SiC", ceramic_mm=2.0, backing="7075-T6")) == farthest_first
-    bare = found(projectile="7.62 mm APM2", ceramic=None, ceramic_mm=0.0, backing_mm=20.0, backing="AA6082-T651")
-    assert bare == {}
-
-
-def test_the_threat_that_is_farthest_from_the_tests_counts():
-    threats = [{"projectile": name, "velocity_m_s": 800.0} for name in ("7.62 mm AP", "14.5 mm B32")]
-    case = scenario(threat=threats)
-    against = [armours_of(case.against(threat)) for threat in case.threats()]
-    alone = [outside_tests(armours, np.array([800.0]))[0] for armours in against]
-    both = armours_of(*(case.against(threat) for threat in case.threats()))
-    [found] = outside_tests(both, np.full(2, 800.0), threats=2)
-    assert alone[0] == {}
-    assert found == alone[1] != {}
-    # Too thin for both, the tile counts as against the threat for which it is the thinnest, whatever their order.
-    too_thin = case.replaced({CERAMIC: 2.0})
-    for titles in (too_thin.threats(), too_thin.threats()[::-1]):
-        against = [armours_of(too_thin.against(threat)) for threat in titles]
-        ratios = [outside_tests(armours, np.array([800.0]))[0][RATIOS[0]] for armours in against]
-        [found] = outside_tests(armours_of(*map(too_thin.against, titles)), np.full(2, 800.0), threats=2)
-        assert max(ratios) < 1.0
-        assert found[RATIOS[0]] == min(ratios) < max(ratios)
-    oblique = scenario(impact={"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": 30.0})
-    assert outside_tests(armours_of(oblique), np.array([800.0]))[0]["angle"] == inf
-
-
 def test_angles_without_a_test_are_those_of_their_threats():
     angles = [
         {"projectile": "7.62 mm AP", "velocity_m_s": 800.0, "obliquity_deg": angle} for angle in (0.0, 30.0, 45.0)
@@ -326,6 +284,8 @@ def test_what_is_far_from_the_tests_is_told_with_what_was_tested():
         changed = case.replaced({CERAMIC: tile_mm, BACKING: 6.35})
         words = (f"{tile_mm:.4g} mm tile (tested 5.8 to 7.8 mm)",) * is_far
         assert far_from_tests(changed, armours_of(changed)) == words
+    single = tested._replace(thicknesses_mm={"tile": (5.86, 5.86)})
+    assert single.far("tile", 14.0) == "14 mm tile (tested 5.8 to 5.9 mm)"
     other = scenario("7.62 mm APM2", "SiC", "5083-H3")
     words = ("SiC (no test)", "5083-H3 (on 6061-T6)", "7.62 mm APM2 (with 7.62 mm AP)")
     assert {*words} <= {*far_from_tests(other, armours_of(other))}

@@ -334,7 +334,7 @@ def test_a_bound_on_the_probability_is_kept_where_the_own_law_has_no_weight():
 def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
     case = of_wilkins()
     for changes, words in (
-        ({CERAMIC: 17.0}, "too far outside the tests, which are of ceramics 0.89 to 1.21"),
+        ({CERAMIC: 17.0}, "too far from the tests, which are of ceramics 0.89 to 1.21"),
         ({"armour.backing": "Ti-6Al-4V"}, "differs from the own tests of lot 7: back plates of 2600 to 2900 kg/m³"),
         ({OBLIQUITY: 10.0}, "no test of an armour with a ceramic at an angle"),
     ):

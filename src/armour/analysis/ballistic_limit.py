@@ -81,7 +81,7 @@ def needed_flow_stress(
     required_m_s : float
         Least ballistic limit, m/s.
     probability : float, optional
-        Required probability of stopping the projectile at the impact velocity; by default 0.9.
+        Required probability of stopping a shot at the impact velocity; by default 0.9.
     """
     ceramic = scenario.entry_of("ceramic")
     if ceramic is None or not scenario.armour.ceramic_thickness_mm or not is_untested(ceramic) or scenario.interlayers:

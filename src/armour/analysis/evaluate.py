@@ -18,7 +18,7 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import InputError, Problem, choices, refuse, restated
 from armour.evidence.mixture import Mixture
-from armour.evidence.tests import outside_tests
+from armour.evidence.tests import far_from_tests
 from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import INPUTS
 from armour.scenario.keys import canonical, parts_of
@@ -135,14 +135,14 @@ def evaluate_groups(
     return columns, warnings
 
 
-def outside_of(scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str]) -> Bools:
-    """Return whether each of n rows lies outside the tests; its impact velocity counts if the quantities need it."""
-    groups, depends = groups_of(scenario, columns), "impact" in reads_of(quantities)
-    is_outside = np.zeros(sum(len(group.where) for group in groups), dtype=bool)
+def far_of(scenario: Scenario, columns: Mapping[str, Any]) -> Bools:
+    """Return whether each of n rows is far from the tests, (n,)."""
+    groups = groups_of(scenario, columns)
+    is_far = np.zeros(sum(len(group.where) for group in groups), dtype=bool)
     for where, variants in groups:
-        velocities = variants.velocities if depends else np.full_like(variants.velocities, np.nan)
-        is_outside[where] = [bool(factors) for factors in outside_tests(variants.armours, velocities)]
-    return is_outside
+        rows = (variants.armours.at([row]) for row in range(len(where)))
+        is_far[where] = [bool(far_from_tests(variants.scenario, row)) for row in rows]
+    return is_far
 
 
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"

@@ -104,7 +104,7 @@ QUANTITIES: dict[str, Quantity] = {
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
     "expected_limit_m_s": Quantity("expected limit", "m/s", ".0f", (*OF_LIMIT, *OF_ERROR), lambda a: a.shots.medians()),
     "probability_of_stopping": Quantity(
-        "probability of stopping the projectile", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
+        "probability of stopping a shot", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
     ),
     VERDICT: Quantity("verdict", "", "", _CHECK, None),
     "required_ceramic_thickness_mm": Quantity(

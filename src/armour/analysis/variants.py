@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +13,6 @@ from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, RunSettings, scan
 from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import mistake
-from armour.evidence.fit import shipped_data
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
 from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
@@ -281,19 +279,6 @@ def concatenated(parts: Sequence[Variants]) -> Variants:
     """Concatenate variants of a scenario."""
     columns = (np.concatenate(column) for column in zip(*(part[:4] for part in parts), strict=True))
     return Variants._make([*columns, *parts[0][4:]])
-
-
-def outside_words(outside_tests: Mapping[str, float], most: int = 100) -> str:
-    """Return words for the quantities in which an armour lies outside the tests, with the factors; "" if in none.
-
-    `outside_tests` has the factors by quantity; at most `most` quantities are named.
-    """
-    names = {key: quantity["name"] for key, quantity in shipped_data()["quantity"].items() if "name" in quantity}
-    words = [
-        names.get(key, key) + (f" \N{MULTIPLICATION SIGN}{factor:.2f}" if isfinite(factor) else "")
-        for key, factor in outside_tests.items()
-    ]
-    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
 def grid_of(scenario: Scenario) -> Optimise:

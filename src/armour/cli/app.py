@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from inspect import getdoc
+from itertools import chain
 from shutil import get_terminal_size
 from typing import Any
 
@@ -117,9 +118,30 @@ def _located(problems: Sequence[Problem]) -> list[str]:
     return [*messages, f"and {omitted} more problems"] if omitted > 0 else messages
 
 
+class Overview(Reporting):
+    """The program: its help is a line for each command."""
+
+    def format_help(self, _ctx: Any, _formatter: Any) -> None:
+        """Print the help, which fits on a screen."""
+        lines = HELP.splitlines()
+        for heading, commands in COMMANDS.items():
+            lines += ["", heading, *(f"  {named(each):<16} {told(each)[0].partition('.')[0]}." for each in commands)]
+        emit("\n".join([*lines, "", OPTIONS, ""]))
+
+
+HELP = """\
+Usage: armour COMMAND [ARGS]...   (armour COMMAND -h explains one)
+
+Does this armour stop that round, and what is the lightest that does?
+
+  armour init mine.toml
+  armour optimise mine.toml --probability 0.95 --save best.toml
+  armour check best.toml
+"""
+OPTIONS = "Options: -v more lines, --json all numbers, --plot FILE a picture, --version."
 app = typer.Typer(
-    cls=Reporting,
-    no_args_is_help=True,
+    cls=Overview,
+    invoke_without_command=True,
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -134,15 +156,12 @@ def _version(is_given: bool) -> None:
 
 
 @app.callback()
-def _armour(version: bool = flag("Show the version.", "--version", callback=_version, is_eager=True)) -> None:
-    """Predict whether a light ceramic/metal armour stops a projectile, and find the lightest armour that does.
-
-    First steps: `armour init mine.toml` writes a scenario with every key explained; `armour check mine.toml` checks
-    its armour.
-
-    Exit codes: 0 success; 1 the question has no answer in the given range; 2 invalid input; 3 `check`, `validate` or
-    the requirement of `v50` failed, or is not decided; 130 interrupted.
-    """
+def _armour(
+    ctx: typer.Context, _version_asked: bool = flag("Show the version.", "--version", callback=_version, is_eager=True)
+) -> None:
+    """Predict whether a light ceramic/metal armour stops a projectile, and find the lightest armour that does."""
+    if ctx.invoked_subcommand is None:
+        ctx.get_help()  # which prints it
 
 
 plan = typer.Typer(cls=Reporting, no_args_is_help=True)
@@ -155,23 +174,30 @@ def _plan() -> None:
 
 # Commands by their heading in the help.
 COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {
-    "Predict": (
+    "Decide": (
+        init,
+        scenario_commands.check,
+        scenario_commands.optimise,
+        scenario_commands.report,
+        library,
+    ),
+    "Use your tests": (experiments.plan_shots, experiments.v50, experiments.calibrate),
+    "Study the model": (
         scenario_commands.simulate,
         scenario_commands.ballistic_limit,
-        scenario_commands.check,
-        scenario_commands.sweep,
-    ),
-    "Design": (scenario_commands.optimise, scenario_commands.report),
-    "Judge the answer": (
-        scenario_commands.uncertainty,
         scenario_commands.sensitivity,
+        scenario_commands.uncertainty,
+        scenario_commands.sweep,
         scenario_commands.compare,
-        suites.validate,
-        suites.figures,
     ),
-    "Use test data": (experiments.v50, experiments.calibrate, experiments.plan_shots),
-    "Prepare the input": (init, library, schema),
+    "For CI and developers": (suites.validate, schema, suites.figures),
 }
+
+
+def named(command: Callable[..., None]) -> str:
+    """Return the name of a command."""
+    name = command.__name__.replace("_", "-")
+    return name.replace("-", " ") if command is experiments.plan_shots else name
 
 
 def told(command: Callable[..., None]) -> tuple[str, list[str]]:
@@ -180,16 +206,12 @@ def told(command: Callable[..., None]) -> tuple[str, list[str]]:
     return words, examples.splitlines()
 
 
-for _panel, _commands in COMMANDS.items():
-    for _command in _commands:
-        _help, _examples = told(_command)
-        _parts = ["Examples:", *(f"`{example}`" for example in _examples)]
-        if _command is scenario_commands.sweep:
-            # In the text below, since the column of descriptions is too narrow for the names.
-            _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
-        _name, _epilog = _command.__name__.replace("_", "-"), "\n\n".join(_parts)
-        if _command is experiments.plan_shots:
-            plan.command(_name.removeprefix("plan-"), cls=Command, help=_help, epilog=_epilog)(_command)
-        else:
-            app.command(_name, cls=Command, help=_help, epilog=_epilog, rich_help_panel=_panel)(_command)
-app.add_typer(plan, name="plan", rich_help_panel="Use test data")
+for _command in chain.from_iterable(COMMANDS.values()):
+    _help, _examples = told(_command)
+    _parts = ["Examples:", *(f"`{example}`" for example in _examples)]
+    if _command is scenario_commands.sweep:
+        # In the text below, since the column of descriptions is too narrow for the names.
+        _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
+    _group, _name = (plan, "shots") if _command is experiments.plan_shots else (app, named(_command))
+    _group.command(_name, cls=Command, help=_help, epilog="\n\n".join(_parts))(_command)
+app.add_typer(plan, name="plan")

@@ -72,17 +72,15 @@ def v50(
         "each kind: 38.1, 27.432 or 18.288 (125, 90 or 60 ft/s). Required for other numbers of shots."
     ),
     confidence: Any = number_option("Confidence level of the intervals, 0.5 to 0.9999; by default 0.95.", share),
-    prior: bool = flag(
-        "Add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.", "--prior"
-    ),
+    prior: bool = flag("Add the posterior of V50, whose prior is the scenario's expected limit.", "--prior"),
     at_m_s: Any = number_option("Velocity, m/s, at which to give the probability of complete penetration."),
     fraction: Any = number_option(
         "Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.",
         share,
     ),
     requirement_m_s: Any = number_option(
-        "Required velocity, m/s. Whether the armour's velocity exceeds it is decided by the shots alone, from "
-        "one-sided bounds, with a risk of about 1 minus the confidence."
+        "Required velocity, m/s. Whether the armour's velocity exceeds it is decided by the shots alone, "
+        "with a risk of about 1 minus the confidence."
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     csv: Path | None = file_option("Write the fitted curves as CSV."),
@@ -98,7 +96,7 @@ def v50(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Estimate V50 from firing results.
+    """Estimate V50 from shots.
 
     If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
     exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
@@ -210,7 +208,7 @@ def calibrate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Fit model inputs to tests.
+    """Fit the model to your tests.
 
     Examples
     --------
@@ -348,9 +346,9 @@ def plan_shots(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Plan the next shot of a V50 firing, given the shots so far.
+    """Plan the next shot of a V50 firing.
 
-    The scenario's ballistic limit, with the model error, is the prior of V50. Without a scenario, V50 is expected
+    The scenario's expected limit is the prior of V50. Without a scenario, V50 is expected
     within the limits given or, without these, within 30 % of the middle of the shots.
 
     Examples

@@ -40,7 +40,9 @@ def library(
     tested: bool = flag("List only entries for which tests provide a model error, with what was tested.", "--tested"),
     as_json: bool = AS_JSON,
 ) -> None:
-    """List projectiles, ceramics, threats and metals: all, or those with the words, in upper or lower case.
+    """List or search rounds, materials and threats.
+
+    Without words, all are listed; words may be in upper or lower case.
 
     If there is one, it is shown with the source of every value.
 
@@ -96,7 +98,7 @@ def init(
     yes: bool = YES,
     force: bool = FORCE,
 ) -> None:
-    """Write a scenario, a suite, a table of tests or a notebook to start from.
+    """Write a scenario, suite, table or notebook to start from.
 
     Examples
     --------

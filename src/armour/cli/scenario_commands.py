@@ -55,7 +55,7 @@ def simulate(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Simulate one impact.
+    """Simulate one impact, stage by stage.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def ballistic_limit(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Find the ballistic limit.
+    """Find the ballistic limit by the model.
 
     Examples
     --------
@@ -154,7 +154,9 @@ def check(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Check armours against their threats, and with thinner layers, a faster round or at an angle.
+    """Does an armour stop its threats? Also several, or offers.
+
+    The answer also says what a thinner layer, a faster round or an angle changes.
 
     An armour passes if it has all that is required, a probability among it. The exit code is 0 if it passes, is
     expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios, a folder or offers,
@@ -268,9 +270,8 @@ def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], wo
         return
     source = runner.source_word(scenario.file)
     line = f"{shell_line(['armour', command, source, *typed])} {words}".rstrip()
-    runner.propose(
-        line if len(line) <= LONGEST_NEXT else f"armour {command} {words} with the same scenario and options"
-    )
+    longer = " ".join(filter(None, ("armour", command, words, "with the same scenario and options")))
+    runner.propose(line if len(line) <= LONGEST_NEXT else longer)
 
 
 def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
@@ -317,10 +318,10 @@ def optimise(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Find the lightest armour that stops the threat.
+    """Find the lightest armour that stops the threats.
 
     The scenario may define several threats, a catalogue of materials, and a quantity other than weight to minimise.
-    Where no design is known to hold, the answer is the nearest one, with what it lacks, and the exit code 1.
+    Where no design is known to hold, the answer is the nearest one, with its verdict, and the exit code 1.
 
     Examples
     --------
@@ -404,7 +405,7 @@ def sensitivity(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Rank the inputs by their effect on the answers.
+    """Rank the inputs by their effect on the limit.
 
     The effects are elasticities: the change of ballistic limit and residual velocity, in per cent, when an input grows
     by 1 %.
@@ -429,7 +430,7 @@ def uncertainty(
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Propagate input uncertainty to the outcome and the ballistic limit.
+    """Propagate uncertain inputs to the answer.
 
     Examples
     --------
@@ -478,7 +479,7 @@ def sweep(
     changes: list[str] | None = CHANGES,
     as_json: bool = AS_JSON,
 ) -> None:
-    """Compute quantities over a grid or a table of cases; resume if interrupted.
+    """Compute grids and tables of cases; resume if interrupted.
 
     Examples
     --------
@@ -528,7 +529,7 @@ def report(
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Write a report.
+    """Write the answer as a page to hand over.
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
 

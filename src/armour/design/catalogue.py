@@ -14,7 +14,7 @@ from armour.design.requirements import EVEN, SLACK_ROUNDING
 from armour.engine import batch
 from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
-from armour.evidence.tests import Materials, is_untested, lacks_sources
+from armour.evidence.tests import Materials, Tested, is_untested, lacks_sources, what_was_tested
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, ROLES, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import LibraryEntry, inputs_of_entry
 from armour.scenario.scenario import Scenario
@@ -198,6 +198,23 @@ class Catalogue:
             np.round(ceramic_mm + counted_mm + inert("thickness_mm"), SUM_DECIMALS),
             np.round(inert("cost_per_m2") + ceramic_cost + backing_cost, SUM_DECIMALS),
         )
+
+    @cached_property
+    def tested(self) -> dict[tuple[int, int, bool], Tested]:
+        """What was tested of armours like a design, as far as asked for: by pair, threat, and whether it has a tile."""
+        return {}
+
+    def far_from_tests(self, designs: CandidateDesigns) -> list[list[tuple[str, ...]]]:
+        """Return for each design, by threat, in what it is far from the tests, see `evidence.tests.far_from_tests`."""
+        found = []
+        for place, (pair, *sizes_mm) in enumerate(zip(*(column.tolist() for column in designs[:3]), strict=True)):
+            keys = [(pair, threat, bool(sizes_mm[0])) for threat in range(len(self.threats))]
+            if not {*keys} <= {*self.tested}:
+                armours = self.against_each(designs.at(np.array([place]))).armours
+                for threat, key in enumerate(keys):
+                    self.tested[key] = what_was_tested(self.against(pair, threat), armours.at([threat]))
+            found.append([self.tested[key].far_of(self.materials[pair].ceramic, *sizes_mm) for key in keys])
+        return found
 
     def violations(self, candidates: CandidateDesigns) -> Floats:
         """Return the largest relative constraint violation of each design: 0 for none, inf if a thickness is NaN."""

@@ -26,7 +26,7 @@ from armour.design.offers import Offer, read_offers
 from armour.design.requirements import VERDICTS, Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
 from armour.evidence.model_error import ModelError
-from armour.evidence.tests import armours_of, far_from_tests, outside_tests, threat_warnings
+from armour.evidence.tests import armours_of, far_from_tests, threat_warnings
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
@@ -108,8 +108,6 @@ class CheckedThreat:
     sampled : Estimate or None
         Probability of perforation (1 minus that of stopping) from the distributions of the inputs, if a probability is
         required.
-    outside_tests : dict of str to float
-        Factor by which the armour or the threat lies outside the tests, by quantity, as in `Design`.
     far_from_tests : tuple of str
         In what the armour or the threat is far from the tests, such as "5083-H3 (on 6061-T6)".
     name : str
@@ -139,7 +137,6 @@ class CheckedThreat:
     what_ifs: tuple[WhatIf, ...]
     requirements: tuple[Requirement, ...] = ()
     sampled: Estimate | None = None
-    outside_tests: dict[str, float] = field(default_factory=dict, hash=False)
     far_from_tests: tuple[str, ...] = ()
     name: str = ""
     probability_v50_exceeds_velocity: float | None = None
@@ -465,7 +462,6 @@ def _checked(
         what_ifs=tuple(what_ifs),
         requirements=requirements,
         sampled=sampled and sampled.at_least(1.0 - greatest),
-        outside_tests=outside_tests(row.armours, row.velocities)[0],
         far_from_tests=far_from_tests(against, row.armours),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,

@@ -17,7 +17,6 @@ from armour.analysis.variants import Bools, Floats, Ints, Variants
 from armour.design.catalogue import CandidateDesigns, Catalogue, first_backings
 from armour.design.requirements import EVEN, verdict_of, verdict_of_samples
 from armour.errors import Problem, refuse
-from armour.evidence.tests import outside_tests
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.schema import FASTEST_M_S, Uncertainty
 
@@ -243,7 +242,6 @@ class Designs:
         self._limits, self._shown_limits, self._slack = np.full((3, count, len(catalogue.threats)), np.nan)
         self._sampled: dict[int, int] = {}
         self._shown: dict[int, Variants] = {}
-        self._outside: dict[int, dict[str, float]] = {}
 
     def rows(self, where: Ints) -> Variants:
         """Return the rows of designs against each threat, (designs * threats,)."""
@@ -254,14 +252,6 @@ class Designs:
         if place not in self._shown:
             self._shown[place] = self.rows(np.array([place]))
         return self._shown[place]
-
-    def outside_tests(self, where: Ints) -> list[dict[str, float]]:
-        """Return for each design the factors by which it lies outside the tests, by quantity, over all threats."""
-        missing = [place for place in dict.fromkeys(where.tolist()) if place not in self._outside]
-        rows = self.rows_of(missing[0]) if len(missing) == 1 else self.rows(np.array(missing, dtype=np.int64))
-        factors = outside_tests(rows.armours, rows.velocities, len(self.catalogue.threats))
-        self._outside.update(zip(missing, factors, strict=True))
-        return [self._outside[place] for place in where.tolist()]
 
     def verdicts(self, where: Ints) -> Ints:
         """Return the verdicts on designs by impacts alone; the lowest limits, and samples, may give worse ones."""

@@ -1,7 +1,8 @@
 """Design optimisation: the best design that stops every threat, and its comparison with the others."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
+from itertools import chain
 from math import inf
 from time import perf_counter
 from typing import Any, Literal
@@ -11,7 +12,7 @@ import numpy as np
 from armour.analysis.ballistic_limit import NeededFlowStress
 from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
-from armour.analysis.variants import Ints, outside_words
+from armour.analysis.variants import Ints
 from armour.design.catalogue import FIRST_VALUES, MARGIN_COLUMN, CandidateDesigns, Catalogue, catalogue_of
 from armour.design.check import CheckResult, check_of
 from armour.design.designs import FAILS, NOT_KNOWN, PASSES, Designs, Reliability, Runs, verdicts_of
@@ -61,10 +62,8 @@ class Design:
         Whether no test of the ceramic on metal is known.
     whole_areal_density_kg_m2, whole_thickness_mm : float
         The same, including a back plate that exists already.
-    outside_tests : dict of str to float
-        Factor by which the design lies outside the tests, by quantity, the farthest first: above 1 beyond the greatest
-        value tested, below 1 beneath the least, infinite (null in JSON) for what no test has, such as its ceramic.
-        The threat against which it lies farthest outside counts.  Empty inside the tests.
+    far_from_tests : tuple of str
+        In what the design is far from the tests, against any threat, such as "5083-H3 (on 6061-T6)".
     """
 
     ceramic: str
@@ -77,7 +76,7 @@ class Design:
     untested: bool
     whole_areal_density_kg_m2: float
     whole_thickness_mm: float
-    outside_tests: dict[str, float] = field(hash=False)
+    far_from_tests: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -259,7 +258,7 @@ class DesignResult(TableResult):
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:
         names = [item.name for item in fields(DesignOfFront if designs == "pareto" else Design)]
         columns = {name: [getattr(design, name) for design in getattr(self, designs)] for name in names}
-        return columns | {"outside_tests": list(map(outside_words, columns["outside_tests"]))}
+        return columns | {"far_from_tests": list(map(", ".join, columns["far_from_tests"]))}
 
 
 def armour_in_words(design: Design) -> str:
@@ -491,7 +490,7 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[Note
             if thickness == end > 0.0:
                 smaller = OBJECTIVES[catalogue.section.minimise].less
                 yield Note(
-                    f"the best design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
+                    f"the design lies at the {extreme} {name} thickness of the range, {end:g} mm; "
                     f"a {thinner} {name} may make the armour {smaller}",
                     key,
                 )
@@ -506,7 +505,7 @@ def _least_of_the_range(
         [key] = [key for key, name, *_ in catalogue.ranges(pair) if name == "ceramic"]
         back_plates = f"back plates of {backings[0]:g} to" if len(backings) > 1 else "a back plate of"
         yield Note(
-            f"the least ceramic thickness of the range, {ceramic_min:g} mm, passes on {back_plates} "
+            f"the least ceramic thickness of the range, {ceramic_min:g} mm, holds on {back_plates} "
             f"{backings[-1]:g} mm; less may be required there",
             key,
         )
@@ -542,7 +541,8 @@ def as_results(designs: Designs, where: Ints) -> tuple[Design, ...]:
     hulls_mm = columns.backing_mm * (not catalogue.scenario.counts_backing)
     hulls_kg_m2 = hulls_mm * MM * [catalogue.offers[pair].backing_density_kg_m3 for pair in columns.pair]
     whole = (columns.areal_density_kg_m2 + hulls_kg_m2).tolist(), (columns.thickness_mm + hulls_mm).tolist()
-    rows = zip(named, numbers, costs, untested, *whole, designs.outside_tests(where), strict=True)
+    far = (tuple(dict.fromkeys(chain.from_iterable(by_threat))) for by_threat in catalogue.far_from_tests(columns))
+    rows = zip(named, numbers, costs, untested, *whole, far, strict=True)
     return tuple(Design(*names, *values, *others) for names, values, *others in rows)
 
 

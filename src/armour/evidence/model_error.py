@@ -434,7 +434,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         far = ", ".join(outside(evidence.measured, q))
         strengths = [tested for tested in evidence.measured if tested.name == "rod_strength_GPa"]
         page = f" (see {PAGE})" * any(tested.fails(q).all() for tested in strengths)
-        reason = f"the armour is too far outside the tests, which are of {far}{page}"
+        reason = f"the armour is too far from the tests, which are of {far}{page}"
     elif evidence.lot:
         reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
     return f"{reason}; {REMEDY}"

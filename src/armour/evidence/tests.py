@@ -1,6 +1,5 @@
 """The tests that the model was compared with, shipped or the user's own, and where an armour lies outside them."""
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from math import log
@@ -525,45 +524,15 @@ def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
                 yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers)
 
 
-def outside_tests(armours: Armours, velocities: Any, threats: int = 1) -> list[dict[str, float]]:
-    """Return for each armour the factors by which it lies outside the tests, by quantity, the farthest first.
-
-    `armours`, and `velocities`, m/s, have successive rows for the threats of each armour.  The threat for which a
-    quantity is the farthest outside counts; if a ceramic is too thin for some, the one for which it is the thinnest.  A
-    factor is below 1 beneath the tests, and infinite for what no test has, such as a ceramic.
-    """
-    factors = defaultdict[str, Any](lambda: np.ones(len(velocities)))
-    for evidence, rows in armours.by_evidence():
-        members = armours.at(rows)
-        q, evidence = members.quantities() | {"velocity_m_s": velocities[rows]}, _tests_of(evidence, members)
-        is_other = is_outside(evidence.kind[:2], q) & (not evidence.lot) & bool(evidence.ceramic)
-        for data_range in (*evidence.kind, *evidence.measured, evidence.velocities):
-            factors[data_range.name][rows] = np.where(
-                is_other & (data_range.name in OF_CERAMIC), 1.0, data_range.ratio(q)
-            )
-        law, angle = evidence.has_other_law(q) & ~is_other, evidence.fails_angle(members.cosines)
-        for name, is_far in (("ceramic", is_other), ("ceramic law", law), ("angle", angle)):
-            factors[name][rows] = np.where(is_far, np.inf, 1.0)
-    places = np.arange(len(velocities) // threats)
-    for name, values in factors.items():
-        by_armour = np.sort(values.reshape(-1, threats))
-        least, farthest = by_armour[:, 0], by_armour[places, abs(np.log(by_armour)).argmax(axis=1)]
-        factors[name] = np.where((name == THIN) & (least < 1.0), least, farthest).tolist()
-    outside = ({name: each[place] for name, each in factors.items() if each[place] != 1.0} for place in places)
-    return [dict(sorted(each.items(), key=lambda item: -abs(log(item[1])))) for each in outside]
-
-
 def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
     """Return in what the armour of a scenario, a single row, is far from the tests, such as "5083-H3 (on 6061-T6)".
 
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
     range of the tests, which is rounded inwards.
     """
-    ceramic, tested, p = armours.materials[0].ceramic, what_was_tested(scenario, armours), armours.parameters
-    sizes_mm = [(thickness * armours.cosines).item() / MM for thickness in np.array([p.Hc0, p.Hb])]
-    words = [f"{ceramic.name} (no test)"] if ceramic is not None and sizes_mm[0] and is_untested(ceramic) else []
-    words += filter(None, map(tested.far, LAYERS.values(), sizes_mm))
-    return (*words, *tested.others)
+    p, cosines = armours.parameters, armours.cosines
+    sizes_mm = ((thickness * cosines).item() / MM for thickness in (p.Hc0, p.Hb))
+    return what_was_tested(scenario, armours).far_of(armours.materials[0].ceramic, *sizes_mm)
 
 
 class Tested(NamedTuple):
@@ -572,12 +541,19 @@ class Tested(NamedTuple):
     thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
     others: tuple[str, ...]  # what else of the armour is far from that, in words
 
+    def far_of(self, ceramic: LibraryEntry | None, tile_mm: float, plate_mm: float) -> tuple[str, ...]:
+        """Return in what an armour with these thicknesses, mm, is far from the tests."""
+        words = [f"{ceramic.name} (no test)"] if ceramic is not None and tile_mm and is_untested(ceramic) else []
+        words += filter(None, map(self.far, LAYERS.values(), (tile_mm, plate_mm)))
+        return (*words, *self.others)
+
     def far(self, layer: str, size_mm: float) -> str:
         """Return the thickness of a layer, mm, with the range tested if it is far from that; otherwise ""."""
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
             return ""
-        ends = np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0
+        # Of a single thickness, both roundings.
+        ends = sorted((np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0))
         return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
 
 
@@ -650,7 +626,7 @@ def limits_of_model(
         ratios, thicknesses_mm = least[is_thin], (least * p.D0 * armours.cosines / MM)[is_thin]
         words = too_thin(_ends(ratios, ".2g"), _ends(thicknesses_mm, ".2g"))
         ends = (float(end) for values in (ratios, thicknesses_mm) for end in (values.min(), values.max()))
-        yield Note(words, CERAMIC, said="caveat" * said, about=(TOO_THIN, *ends)), is_thin
+        yield Note(words, CERAMIC, said="far", about=(TOO_THIN, *ends)), is_thin
 
 
 def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str]:

@@ -15,7 +15,6 @@ from armour.scenario.library import named_threats, shipped_library
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-STOPPING = Column("probability of stopping the projectile", prose=True)
 # Areal density including a back plate that exists already; empty without one.
 WHOLE: Source = (
     Column.of("whole_areal_density_kg_m2", label="whole armour"),
@@ -34,7 +33,7 @@ def chance(probability: float | None, error: ModelError | None = None, required:
         return "not known"
     decimals = 0 if required is None else len(f"{100.0 * required:.8g}".partition(".")[2])
     percents = f"{rounded_down(100.0 * probability, decimals):.{decimals}f} %"
-    if error is not None and error.at_least and probability <= 0.99:
+    if error is not None and error.at_least and 0.01 <= probability <= 0.99:
         return f"at least {percents}"
     if probability < 0.01:
         return "below 1 %"
@@ -207,7 +206,7 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     if answer.probability_of_stopping is not None:
         error = answer.model_error
         return [SAMPLED_ALONE if error is None else model_error_words(error)]
-    notes = [f"{STOPPING.label}: unknown, {answer.reason}"]
+    notes = [f"how likely a shot is stopped is not known: {answer.reason}"]
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
     return [*notes, *flow_stress_notes(answer.flow_stress)]

@@ -480,7 +480,7 @@ def test_a_sweep_over_one_key():
     assert headings(picture) == [("tile thickness, mm", "ballistic limit, m/s")]
     [curve] = curves(axes).values()
     assert y_of(curve) == pytest.approx([500.0, nan], nan_ok=True)
-    outside = "1 of 2 rows are outside the tests, hollow and dashed."
+    outside = "1 of 2, hollow and dashed, are far from the tests."
     assert picture.note == f"1 of 2 rows have no ballistic limit. {outside}"
     assert axes.get_xlim()[1] > 6.0
 

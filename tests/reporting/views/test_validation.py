@@ -68,13 +68,13 @@ def test_a_result_within_its_band_may_be_far_from_the_tests(folder: Path):
     report = view.suite_report(result(folder, far))
     assert report.lead == "3 of 3 within their bands."
     usable, *others = report.sections
-    assert usable.heading == "Errors of computed limits"
-    assert not any(section.heading == "Errors of computed limits" for section in others)
+    assert usable.heading == "Errors of the limits by the model"
+    assert not any(section.heading == "Errors of the limits by the model" for section in others)
     found = dict(zip(headings(usable.tables[0]), usable.tables[0].rows[0], strict=True))
     errors = [100.0 * (WILKINS_LIMIT / expected - 1.0) for expected in (600.0, 650.0)]
     assert (found["tests"], found["number"]) == ("t", 2)
     assert found["mean error, %"] == pytest.approx(sum(errors) / 2, abs=0.01)
-    # Both tests reach the computed limit less the allowance.
+    # Both tests reach the limit less the allowance.
     assert found["allowance, %"] == ceil(100.0 * (1.0 - 600.0 / WILKINS_LIMIT)) == 18
     unfilled = view.suite_report(
         result(folder, case("new", 0.0, "band = 1.0\nregression = true").replace("expected = 0.0\n", ""))

@@ -8,12 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.design.catalogue import CandidateDesigns, Catalogue, catalogue_of
+from armour.design.catalogue import Catalogue, catalogue_of
 from armour.design.check import CheckResult
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.design.requirements import EVEN
-from armour.evidence.tests import far_from_tests
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
@@ -193,7 +192,7 @@ class _Map:
         ceramic, backing = (offer.material for offer in self.catalogue.offers[self.grid.pair][:2])
         if not ceramic:
             return backing
-        ceramic += " (untested)" * self.catalogue.untested[self.grid.pair]
+        ceramic += " (no test)" * self.catalogue.untested[self.grid.pair]
         one_metal = len(self.catalogue.section.backing) == 1
         return ceramic if one_metal and layer == "ceramic" else f"{ceramic} on {backing}"
 
@@ -218,7 +217,7 @@ class _Map:
     @cached_property
     def is_far(self) -> Any:
         """Whether each design of the map is far from the tests against each threat, (designs, threats)."""
-        return _is_far(self.catalogue, self.grid.candidates)
+        return np.array([list(map(bool, each)) for each in self.catalogue.far_from_tests(self.grid.candidates)])
 
     def note(self) -> str:
         """Return a note on what the line of a required probability includes."""
@@ -228,14 +227,6 @@ class _Map:
             return "No probability is known for these designs."
         line = "The line includes the model error only, not the distributions of the inputs."
         return line if self.catalogue.sampled else ""
-
-
-def _is_far(catalogue: Catalogue, designs: CandidateDesigns) -> Any:
-    """Return whether each design of a pair of materials is far from the tests, (designs, threats)."""
-    count, rows = len(catalogue.threats), catalogue.against_each(designs)
-    against = [catalogue.against(int(designs.pair[0]), threat) for threat in range(count)]
-    far = [bool(far_from_tests(against[row % count], rows.armours.at([row]))) for row in range(len(rows.velocities))]
-    return np.reshape(far, (-1, count))
 
 
 def _best_words(result: DesignResult) -> str:
@@ -281,14 +272,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
 def _front_panel(result: DesignResult) -> _Panel:
     """Return the panel with the Pareto front over its first two criteria, with a series for each pair of materials."""
-    keys, catalogue = result.criteria[:2], catalogue_of(drawing.recorded(result, "scenario"))
-    names = [(offer.ceramic.material, offer.backing.material) for offer in catalogue.offers]
-
-    def is_far(design: Design) -> bool:
-        thicknesses = np.array([[design.ceramic_thickness_mm], [design.backing_thickness_mm]])
-        return bool(
-            _is_far(catalogue, catalogue.candidates(names.index((design.ceramic, design.backing)), *thicknesses)).any()
-        )
+    keys = result.criteria[:2]
 
     def draw_designs(axes: Axes, designs: Sequence[Design], name: str, **look: Any) -> None:
         x, y = ([getattr(design, key) for design in designs] for key in keys)
@@ -297,7 +281,7 @@ def _front_panel(result: DesignResult) -> _Panel:
 
     def draw_all(axes: Axes) -> None:
         for index, (name, designs) in enumerate(grouped(result.pareto, view.pair_words).items()):
-            for far, some in grouped(designs, is_far).items():
+            for far, some in grouped(designs, lambda design: bool(design.far_from_tests)).items():
                 draw_designs(axes, some, name + " (far from the tests)" * far, filled=not far, **drawing.look_of(index))
         shown = [each for each in result.pareto if view.layers_of(each) == view.layers_of(result.shown)]
         draw_designs(axes, shown, _best_words(result), markersize=3.0, color=drawing.INK)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from armour.analysis.evaluate import outside_of
+from armour.analysis.evaluate import far_of
 from armour.errors import mistake
 from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
@@ -54,10 +54,11 @@ def draw_columns(
     is_map = not named and len(keys) == 2
     if is_map and name in RESIDUALS and (stopped := np.count_nonzero(values == 0.0)):
         notes.append(f"White: {stopped} cases without {answer.label}.")
-    is_outside = outside_of(scenario, {key: table[key] for key in keys}, [name])
-    if is_outside.any():
-        count = f"{np.count_nonzero(is_outside)} of {len(values)} rows are outside the tests"
-        notes.append(f"{count}{'' if is_map or len(named) == len(keys) else ', hollow and dashed'}.")
+    is_far = np.zeros(len(values), dtype=bool)
+    if not is_map and len(named) < len(keys):
+        is_far = far_of(scenario, {key: table[key] for key in keys})
+        if count := np.count_nonzero(is_far):
+            notes.append(f"{count} of {len(values)}, hollow and dashed, are far from the tests.")
     height = 1.2 * drawing.PANEL
     if len(named) == len(keys):
         height = drawing.rows_height(dict.fromkeys(table[named[0]].tolist()))
@@ -68,7 +69,7 @@ def draw_columns(
     elif is_map:
         _draw_map(axes, table, keys, answer, scenario)
     else:
-        _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer, is_outside)
+        _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer, is_far)
     return picture
 
 
@@ -83,11 +84,11 @@ def _draw_names(axes: Axes, table: Mapping[str, Any], named: Sequence[str], answ
 
 
 def _draw_curves(
-    axes: Axes, table: Mapping[str, Any], key: str, named: Sequence[str], answer: Column, is_outside: Any
+    axes: Axes, table: Mapping[str, Any], key: str, named: Sequence[str], answer: Column, is_far: Any
 ) -> None:
     """Draw a quantity over a numerical key, with a curve for each name of another key, if `named` has one.
 
-    Where `is_outside`, (rows,), is true, the curve is dashed, and its marks are hollow.
+    Where `is_far`, (rows,), is true, the curve is dashed, and its marks are hollow.
     """
     x, values = table[key], table[answer.key]
     for index, (label, mask) in enumerate(_by_name(table, named)):
@@ -95,7 +96,7 @@ def _draw_curves(
         look = drawing.look_of(index) | {"label": drawing.legible(label)}
         if len(order) > MAX_MARKERS:
             look["marker"] = ""
-        drawing.curve(axes, x[order], values[order], is_outside[order], **look)
+        drawing.curve(axes, x[order], values[order], is_far[order], **look)
     axes.set(xlabel=in_words(key), ylabel=answer.heading)
     # Include rows without an answer, and widen the range of a single row.
     if np.isnan(values).any() or len(set(x)) == 1:

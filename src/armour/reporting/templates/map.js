@@ -34,8 +34,7 @@ function decoded(pair) {
   pair.onOffer = pair.offered[0].flatMap(i => pair.offered[1].map(j => i * m + j));
   // Sort by areal density; equals keep their order.
   pair.designs = pair.onOffer.filter(k => !pair.excluded.has(k)).sort((a, b) => rank[a] - rank[b] || a - b);
-  pair.said = pair.untested ? `${pair.ceramic} (untested)` : pair.ceramic;
-  pair.name = pair.ceramic ? `${pair.said} on ${pair.backing}` : pair.backing;
+  pair.name = pair.ceramic ? `${pair.ceramic} on ${pair.backing}` : pair.backing;
   pair.unknown = Uint8Array.from(pair.areal, (_, k) => +threats.some((_, t) => !tells(pair, k, t)));
   pair.known = pair.unknown.includes(0);
   pair.asked = {};
@@ -247,7 +246,7 @@ function thicknesses(pair, k) {
   return [pair.ceramics[floor(k / m)], pair.backings[k % m]];
 }
 const layers = (pair, k, ceramic, backing) => `${tile(pair, k) ? `${trimmed(tile(pair, k))}${ceramic} on ` : ""}${trimmed(thicknesses(pair, k)[1])} ${backing}`;
-const armour = (pair, k) => layers(pair, k, ` mm ${pair.said}`, `mm ${pair.backing}`);
+const armour = (pair, k) => layers(pair, k, ` mm ${pair.ceramic}`, `mm ${pair.backing}`);
 const short = (pair, k) => layers(pair, k, "", "mm");
 const thickness = (pair, k) => tile(pair, k) + thicknesses(pair, k)[1] * !pair.hull + DATA.added.thickness;
 // The threat that decides: that of the worst verdict and, of equals, the likeliest to fail.
@@ -602,7 +601,7 @@ function drawMap(pair, best, ring) {
   $("options").style.display = flat ? "" : "none";
   $("legend").textContent = legend.join(" ");
   $("areal-name").hidden = !flat;
-  const [up_, right_] = [`tile ${pair.said}, mm`, `plate ${pair.backing}, mm`], lineOf = !pair.known ? "limit by the model" : anyAsked() ? "speed that is stopped as required" : "expected limit";
+  const [up_, right_] = [`tile ${pair.ceramic}, mm`, `plate ${pair.backing}, mm`], lineOf = !pair.known ? "limit by the model" : anyAsked() ? "speed that is stopped as required" : "expected limit";
   $("y-name").textContent = flat ? `↑ ${up_}` : `↑ ${lineOf}, less velocity${margins ? " and margin" : ""}, m/s`;
   $("x-name").textContent = `${flat || view.m > 1 ? right_ : up_} →`;
   drawOver(pair);

@@ -6,7 +6,6 @@ from operator import attrgetter
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from armour.analysis.variants import outside_words
 from armour.design.against import Moved
 from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding
 from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
@@ -25,7 +24,10 @@ THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
 CERAMIC_THICKNESS, BACKING_THICKNESS = (Column.of(f"{layer}_thickness_mm", ".3f") for layer in ("ceramic", "backing"))
 MARGIN = Column.of("margin_m_s", "+.0f", "least margin")
 OBJECTIVE_WORDS = {column.key: column for column in (AREAL_DENSITY, THICKNESS, COST, MARGIN)}
-OUTSIDE = Column("outside the tests in", prose=True, key="outside_tests")
+FAR: Source = (
+    Column("far from the tests", prose=True, key="far_from_tests"),
+    lambda design: ", ".join(design.far_from_tests),
+)
 LIMIT, STOPS, VERDICT = Column("limit, m/s", prose=True), Column("stops", prose=True), Column("verdict", prose=True)
 # Designs within 1 % of the best that a line names.
 MOST_NAMED = 3
@@ -85,7 +87,8 @@ def reasons(threat: CheckedThreat) -> str:
         return f"{name}, {limit}"
     is_stopped = threat.verdict != "fails" and (threat.margin_m_s is None or threat.margin_m_s >= 0.0)
     by_model = f"{name} {'is stopped' if is_stopped else 'perforates'} by the model, {limit}"
-    return f"{threat.reason.partition(';')[0]}; {by_model}" if threat.verdict == "not known" else by_model
+    reason = threat.reason.partition(";")[0].partition(", which are of")[0]  # `far_from_tests` has what was tested
+    return f"{reason}; {by_model}" if threat.verdict == "not known" else by_model
 
 
 def _required(threat: CheckedThreat) -> str:
@@ -533,10 +536,9 @@ def pair_caveats(result: DesignResult) -> list[str]:
 
 def designs_table(designs: Sequence[Design], title: str) -> Table:
     """Tabulate designs in a row each."""
-    outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests, most=2)
     margin = [MARGIN] * isinstance(designs[0], DesignOfFront)
     armour: Source = Column("armour", prose=True), armour_in_words
-    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, *margin, outside
+    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, *margin, FAR
     return Table.of(designs, *columns, title=title, rest="--csv FILE")
 
 
@@ -545,6 +547,5 @@ def design_csv(result: DesignResult) -> str:
     untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
     numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST
     margin = [MARGIN] * bool(result.pareto)
-    outside: Source = OUTSIDE, lambda design: outside_words(design.outside_tests)
     designs = result.pareto or result.frontier
-    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, outside))
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, FAR))

@@ -218,11 +218,11 @@ def drawn_checks(result: SuiteResult) -> list[Check]:
     return [check for check in checks if check.case.group] or checks
 
 
-# Fraction of the tests in which the computed limit, lowered by the allowance, does not exceed the measured one.
+# Fraction of the tests in which the limit by the model, lowered by the allowance, does not exceed the measured one.
 COVERED_PART = 0.95
 USABLE = (
-    "A result within its band need not be close to the tests. Lowered by the allowance, at least 95 % of the computed "
-    "limits do not exceed the measured ones. A probability of stopping the projectile already includes the model error."
+    "A result within its band need not be close to the tests. Lowered by the allowance, at least 95 % of the limits by "
+    "the model do not exceed the measured ones. A probability of stopping a shot already includes the model error."
 )
 
 
@@ -246,7 +246,7 @@ def usable_table(result: SuiteResult) -> Table:
 
 
 def allowance_percent(checks: Sequence[Check]) -> float | None:
-    """Return by how much to lower computed limits, %, so that at least 95 % of them do not exceed the measured ones.
+    """Return by how much to lower limits, %, so that at least 95 % of them do not exceed the measured ones.
 
     It is a whole number, rounded up; None if no limit was computed.
     """
@@ -258,14 +258,14 @@ def allowance_percent(checks: Sequence[Check]) -> float | None:
 
 
 def suite_report(result: SuiteResult, command: str = "") -> Report:
-    """Make the report on a suite: verdict, errors of computed limits, picture, tables, and reasons for the bands.
+    """Make the report on a suite: verdict, errors of the limits, picture, tables, and reasons for the bands.
 
     If `command` is given, the last section shows it, with the versions of the programs.
     """
     sources = {name: _source_and_reason(checks) for name, checks in check_groups(result).items()}
     sections = []
     if (usable := usable_table(result)).rows:
-        sections.append(ReportSection("Errors of computed limits", (USABLE,), tables=(usable,)))
+        sections.append(ReportSection("Errors of the limits by the model", (USABLE,), tables=(usable,)))
     if drawn_checks(result):
         sections.append(ReportSection("Computed and expected values", pictures=(drawing_of(result),)))
     for table in suite_tables(result):
