@@ -557,14 +557,14 @@ def v50(
     confidence : float, default 0.95
         Confidence level of the intervals, 0.5 to 0.9999.
     prior : bool
-        Whether to add the posterior of V50, whose prior is the scenario's ballistic limit with the model error.
+        Whether to add the posterior of V50, whose prior is the scenario's expected limit.
     at_m_s : float, optional
         Velocity, m/s, at which to give the probability of complete penetration.
     fraction : float, optional
         Fraction of shots, 0.001 to 0.999, for which to give the velocity at which it perforates; 0.01 gives V01.
     requirement_m_s : float, optional
-        Required velocity, m/s.  Whether the armour's velocity exceeds it is decided by the shots alone, from one-sided
-        bounds, with a risk of about 1 minus the confidence.
+        Required velocity, m/s.  Whether the armour's velocity exceeds it is decided by the shots alone, with a
+        risk of about 1 minus the confidence.
     requirement_fraction : float
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
     on_progress : callable, optional

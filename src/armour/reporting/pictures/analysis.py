@@ -17,7 +17,7 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import wrapped
-from armour.reporting.views.analysis import STAGES
+from armour.reporting.views.analysis import STAGES, far_of
 from armour.reporting.words import chance, said_of
 from armour.units import MM
 
@@ -79,8 +79,9 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
-    """Return the caveats of the model as sentences."""
-    return [f"{caveat[:1].upper()}{caveat[1:]}." for caveat in said_of(result.notes)]
+    """Return sentences on what is far from the tests, and the caveats of the model."""
+    texts = (str(text) for text in (*far_of(result), *said_of(result.notes)))
+    return [f"{text[:1].upper()}{text[1:]}." for text in texts]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:

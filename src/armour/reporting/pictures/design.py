@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.design.catalogue import Catalogue, catalogue_of
-from armour.design.check import CheckResult
+from armour.design.check import CheckResult, deciding
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.design.requirements import EVEN
@@ -304,8 +304,10 @@ def _design_text(design: Design, *criteria: str) -> str:
 
 
 def _caveats(result: CheckResult | DesignResult) -> list[str]:
-    """Return sentences with the caveats of the model."""
-    return [f"{words[:1].upper()}{words[1:]}." for words in said_of(result.notes)]
+    """Return sentences on what is far from the tests, and the caveats of the model."""
+    far = deciding(result if isinstance(result, CheckResult) else result.shown.check).far_from_tests
+    texts = [f"far from the tests: {', '.join(far)}"] * bool(far) + said_of(result.notes)
+    return [f"{text[:1].upper()}{text[1:]}." for text in texts]
 
 
 @draw.register
