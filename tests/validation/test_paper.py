@@ -192,15 +192,21 @@ def inconsistent_savings_are_inconsistent(result: SuiteResult) -> None:
     ],
 )
 def test_figs_11_to_14_fall_out_of_their_scenarios(name: str, layer: str, materials: tuple[str, ...]):
-    """What each material needs at the velocity of the text: where its curve in the figure crosses that velocity."""
+    """What each material needs at the velocity of the text: where its curve in the figure crosses that velocity.
+
+    The thickness is rounded up to 0.01 mm.
+    """
     case = load_scenario(SCENARIOS / "paper" / f"{name}.toml")
     found = {getattr(pair, layer): pair.best for pair in optimise(case).pairs}
     for material in materials:
         best = found[material]
         assert best is not None
         thickness = getattr(best, f"{layer}_thickness_mm")
-        own = case.replaced({f"armour.{layer}": material, f"armour.{layer}_thickness_mm": thickness})
-        assert ballistic_limit(own).ballistic_limit_m_s == pytest.approx(case.impact.velocity_m_s, abs=0.02)
+        enough, thinner = (
+            ballistic_limit(case.replaced({f"armour.{layer}": material, f"armour.{layer}_thickness_mm": own}))
+            for own in (thickness, thickness - 0.01)
+        )
+        assert thinner.ballistic_limit_m_s < case.impact.velocity_m_s <= enough.ballistic_limit_m_s
 
 
 @pytest.mark.parametrize("name", ["optimum_7.62mm_AP", "optimum_25mm_APDS"])
