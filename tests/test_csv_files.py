@@ -140,7 +140,7 @@ def test_texts_that_are_no_numbers(text: str):
 def test_a_long_heading_or_name_takes_no_time(tmp_path: Path, text: str):
     start = process_time()
     (tmp_path / "a.csv").write_text(f"shot,velocity_m_s,result,{text}\n1,700,P,\n2,720,C,\n")
-    with pytest.raises(InputError, match=r"a\.csv: line 1: must have names of at most 500 characters, found a longer"):
+    with pytest.raises(InputError, match=r"a\.csv: line 1: must have names of at most 500 characters"):
         armour.read_shots(tmp_path / "a.csv")
     (tmp_path / "b.csv").write_text(f"{text},{text}\nshot,velocity_m_s,result\n1,700,P\n{text},720,C\n")
     assert armour.read_shots(tmp_path / "b.csv").velocities_m_s == (700.0, 720.0)

@@ -12,6 +12,7 @@ from armour.units import words_and_unit
 
 _DATA = read_toml(shipped("configs") / "columns.toml")
 _COLUMNS = [(key, column["names"]) for column in _DATA["column"] for key in column["keys"]]
+_COLUMNS += [(key, _DATA["averaged"]) for key in ("velocity_m_s", "impact.velocity_m_s")]
 # Usual names of columns by key, without the unit; only letters and digits are compared, whatever their case.
 USUAL_NAMES = {key: [name for other, names in _COLUMNS if other == key for name in names] for key, _ in _COLUMNS}
 # Factors to the units of keys, by the units that people write.
@@ -48,6 +49,8 @@ _DOUBT = re.compile(r"[^\w\s.,'\u2019/-]")
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
 _OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
 _EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
+# Yes, in a column of crosses and blanks.
+CROSS = "x"
 # Greatest number of letters of a code, such as PP, which does not say what yes means.
 LONGEST_CODE = 3
 
@@ -64,6 +67,7 @@ class Column(NamedTuple):
     unit: str = ""  # as written; "" if the header is the key itself, or has no unit
     known: bool = True
     yes: bool | None = None  # whether yes means that a shot perforated, or counts, where the header says of what
+    averaged: bool = False  # whether it has one of several velocities of a shot
 
     @property
     def units(self) -> Mapping[str, float] | None:
@@ -76,6 +80,11 @@ class Column(NamedTuple):
         return BOUNDS.get(self.key) or BOUNDS.get(words_and_unit(self.key)[1], (-inf, inf))
 
     @property
+    def counts(self) -> bool:
+        """Whether it says which rows count."""
+        return self.key == COUNT_KEYS[0]
+
+    @property
     def in_unit(self) -> str:
         """The quantity and its unit, in words, such as "velocity in ft/s"."""
         return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
@@ -85,6 +94,19 @@ class Column(NamedTuple):
         said = None if self.yes is None else is_yes(word)
         words = _COUNTED if self.key in COUNT_KEYS else PERFORATED
         return _meaning(word, words) if said is None else said == self.yes
+
+    def words(self, cells: Sequence[str]) -> Sequence[str]:
+        """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
+
+        If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say
+        that a row does not count, a blank cell says that it does.
+        """
+        given = {cell.casefold() for cell in cells} - {""}
+        if self.counts and {*map(self.says, given)} == {False}:
+            return [cell or ("no" if self.yes is False else "yes") for cell in cells]
+        if self.yes is None or given - {CROSS} or not (given or (self.counts and self.yes is False)):
+            return cells
+        return ["yes" if cell else "no" for cell in cells]
 
 
 def folded(text: str) -> str:
@@ -108,6 +130,7 @@ _UNIT_NAMES = {folded(unit): unit for units in UNITS.values() for unit in units}
 PERFORATED, _COUNTED = _by_word(OUTCOME_WORDS), _by_word(COUNTED)
 # Exactly, as "-1" is not 1.
 _YES = {word: place == 1 for pair in YES_OR_NO for place, word in enumerate(pair)}
+_AVERAGED = {*map(letters, _DATA["averaged"])}
 _SUMMARIES = {*map(letters, _DATA["summaries"])}
 
 
@@ -126,7 +149,12 @@ def is_yes(word: str) -> bool | None:
     return _YES.get(word.casefold())
 
 
-def is_summary(name: str) -> bool:
+def is_code(text: str) -> bool:
+    """Return whether a text is as short as a code, such as PP."""
+    return len(letters(text)) <= LONGEST_CODE
+
+
+def sums_up(name: str) -> bool:
     """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
     return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
 
@@ -188,12 +216,15 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
         if units is None:
             return _of_words(key, header) if whole else Column(header, known=False)
         unit = _UNIT_NAMES.get(ending, "")
-        return Column(key, units.get(unit, 0.0), unit)
+        return Column(key, units.get(unit, 0.0), unit, averaged=letters(stem) in _AVERAGED)
     return Column(header, known=False)
 
 
 def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Return the columns of a table by its header; other names for a key do not count if the key itself is there."""
+    """Return the columns of a table by its header.
+
+    Other names for a key do not count if the key itself is there, nor several velocities beside that of the impact.
+    """
     result = next((key for key in RESULT_KEYS if key in keys), "")
     names = (*keys, *GROUPS, *(YES_MEANS if result else COUNT_KEYS))
     columns = []
@@ -202,7 +233,11 @@ def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
         if column.known and column.key in YES_MEANS:
             column = column._replace(key=COUNT_KEYS[0] if column.key in COUNT_KEYS else result)
         columns.append(Column(name, known=False) if column.key in header and name != column.key else column)
-    return columns
+    alone = {column.key for column in columns if not column.averaged}
+    return [
+        column._replace(key=name, known=False) if column.averaged and column.key in alone else column
+        for name, column in zip(header, columns, strict=True)
+    ]
 
 
 def _of_words(key: str, header: str) -> Column:
@@ -222,6 +257,6 @@ def _of_words(key: str, header: str) -> Column:
     said = {column._replace(yes=None).says(words) for words in re.split(f"[,;]|{_OR}", rest) if letters(words)}
     if said in (set(), {False, True}) or (column.yes is not None and None in said):
         return column
-    if None in said or len(letters(rest)) <= LONGEST_CODE:
+    if None in said or is_code(rest):
         return Column(key, unit=note)
     return column._replace(yes=said == {True}) if column.yes in (None, *said) else Column(key, 0.0, note)

@@ -12,34 +12,13 @@ from itertools import chain, islice, pairwise
 from math import isclose, isfinite, nan
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from statistics import fmean
+from typing import Any, NamedTuple
 
-from armour.columns import (
-    COUNT_KEYS,
-    GROUPS,
-    LONGEST_CODE,
-    MAX_NAME,
-    RESULT_KEYS,
-    Column,
-    columns_of,
-    is_summary,
-    is_unit,
-    is_yes,
-    letters,
-)
+from armour.columns import GROUPS, MAX_NAME, RESULT_KEYS, Column, columns_of, is_code, is_unit, is_yes, letters, sums_up
 from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
-from armour.files import (
-    WORKBOOKS,
-    csv_value,
-    located,
-    named,
-    reason,
-    refuse_pipe,
-    shell_line,
-    shell_word,
-    shipped_tests,
-)
-from armour.foreign import items, plain
+from armour.files import WORKBOOKS, csv_value, located, named, reason, refuse_pipe, shell_line, shipped_tests
+from armour.foreign import Rows, records
 from armour.units import key_hint
 from armour.workbooks import MAX_UNPACKED, Workbook, comments_of, rows_of, workbook_of
 
@@ -52,10 +31,8 @@ HEAD, LEAST_NAMES = 40, 2
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
-# Yes, in a column of crosses and blanks.
-CROSS = "x"
-# Relative difference of two numbers that are rounded in different units.
-SAME = 1e-3
+# Relative difference of two numbers that are rounded in different units, and of several velocities of one shot.
+SAME, AGREEING = 1e-3, 0.01
 # Least number of numbers that may lie in two groups, and the least distance of these, in ranges of the wider one.
 LEAST_GROUPED, GAP = 6, 2.0
 MUST_SAY = 'must be "stopped" or "perforated" (or partial or complete, P or C, PP or CP, no or yes)'
@@ -73,21 +50,6 @@ _GROUPED = {
 }
 
 
-class Frame(Protocol):
-    """A data frame of pandas or polars."""
-
-    @property
-    def columns(self) -> Any:
-        """Names of the columns."""
-
-    def __getitem__(self, name: Any, /) -> Any:
-        """Return a column."""
-
-
-# Rows given in Python: mappings by column, columns by name, or a data frame.
-Rows = Iterable[Mapping[str, Any]] | Mapping[str, object] | Frame
-# How a column divides the rows of a table, with the ways on, and the options of the first way.
-Division = tuple[str, tuple[str, ...]]
 # A line: its place, for messages, and its cells.
 Line = tuple[str, list[str]]
 
@@ -100,6 +62,7 @@ class Source:
     place: str = ""  # of the header
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
+    above: Sequence[str] = ()  # lines above the header
     form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
     problems: list[Problem] = field(default_factory=list)  # in the lines
@@ -114,40 +77,44 @@ class Source:
         """Return the name of a column, or its number if it has no name."""
         return self.header[place] or f"column {place + 1}"
 
-    def check_marks(self, lines: Iterable[Line]) -> None:
-        """Record as wrong the lines, of those that count, that are hidden or struck through in a sheet."""
-        for place in self.marked.keys() & {place for place, _ in lines}:
-            self.wrong(
-                place, f"must not be {self.marked[place]} if it counts; show it, or leave it out by a column counts"
-            )
+    def check_marks(self, places: Iterable[str]) -> None:
+        """Record as wrong the rows, of those that count, that are hidden or struck through in a sheet."""
+        for place in self.marked.keys() & {*places}:
+            self.wrong(place, f"must not be {self.marked[place]} if it counts; show it, or let a column counts say no")
 
-    def divided(self, name: str, message: str, options: Sequence[str], unread: str = "") -> None:
-        """Record as wrong that a column divides the rows."""
-        self.wrong(name, unread + message)
+    def divided(self, name: str, cells: Sequence[str], noun: str, unread: str = "") -> None:
+        """Record as wrong that a column divides the rows by its cells, with the ways on."""
+        counts = Counter(cells).most_common()
+        found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
+        options, word = ("--where", f"{name}={counts[0][0]}"), shell_line([name])
+        are_lots = noun == "shot" and counts[-1][1] > 1 and "" not in cells and None in map(is_yes, cells)
+        each = f", --each {word} answers for each" * are_lots
+        ways = f"{shell_line(options)} chooses{each}, --ignore {word} counts all"
+        self.wrong(name, f"{unread}divides the {noun}s: {found}; {ways}")
         self.options += options
 
     def numbers(
         self,
         name: str,
         column: Column,
-        places: Sequence[str],
+        at: Sequence[str],
         cells: Sequence[str],
-        mark: str | None = None,
+        mark: str = "",
         *,
         needed: bool = False,
-    ) -> tuple[list[float | None], str | None]:
+    ) -> tuple[list[float | None], str]:
         """Return the numbers of a column, in the unit of its key, and their decimal mark, unless `mark` gives it.
 
         A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
         `needed`.
         """
-        mark = mark or decimal_mark(cells, column, self.form)
+        mark = mark or decimal_mark(cells, column, self.form) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
-        if mark is None or None in values:
+        if not mark or None in values:
             for index, cell in enumerate(cells):
-                message = two_meanings(cell) if mark is None else ""
+                message = "" if mark else two_meanings(cell)
                 if message or (values[index] is None and (cell or needed)):
-                    self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
+                    self.wrong(f"{at[index]}: {name}", message or f'must be a number, found "{cell}"')
                     values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
         self.form += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
@@ -162,6 +129,16 @@ class Source:
         """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
         words = [*dict.fromkeys(self.form)]
         return ", ".join([*words, rows, *notes]), words in ([], ["commas"]) and not notes
+
+
+@dataclass(frozen=True)
+class NotUsed:
+    """A row that is not used: its place, the column and the value that decide, and its cells as written."""
+
+    place: str
+    column: str
+    value: str
+    cells: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -182,6 +159,13 @@ class TableRead:
         Hash of the file, or of the rows given.
     warnings : tuple of str
         Remarks on the rows, in columns that were not read, and such columns as may be inputs.
+    title : tuple of str
+        Lines above the header.
+    not_used : tuple of NotUsed
+        Rows that do not count or are not among those asked for: ``place``, the ``column`` that decides, its ``value``
+        and all ``cells``.
+    chosen : tuple of tuple of str
+        Columns by which rows were chosen, each with the value asked for.
     """
 
     words: str
@@ -190,6 +174,9 @@ class TableRead:
     ignored: tuple[str, ...]
     sha256: str
     warnings: tuple[str, ...] = ()
+    title: tuple[str, ...] = ()
+    not_used: tuple[NotUsed, ...] = ()
+    chosen: tuple[tuple[str, str], ...] = ()
 
 
 class CsvRow(NamedTuple):
@@ -203,7 +190,6 @@ class CsvRow(NamedTuple):
 class CsvTable(NamedTuple):
     """The rows of a table, and how they were read; the source has the mistakes, to which the caller adds its own."""
 
-    file: str
     rows: list[CsvRow]
     read: TableRead
     groups: dict[str, list[str]]  # cells of the columns that tell targets apart, by name
@@ -217,6 +203,7 @@ class TableKind(NamedTuple):
     texts: tuple[str, ...]  # the first names the row
     needed: tuple[str, ...] = ()
     usual: str = ""  # columns that a message lists, by default all
+    exact: tuple[str, ...] = ()  # texts that no other column is a misspelling of
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -284,15 +271,14 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     if not head:
         return source
     above = _most_known([cells for _, cells in head], known)[1]
+    source.above = [", ".join(filter(None, cells)) for _, cells in head[:above]]
     (source.place, header), *head = head[above:]
     if above:
         source.form.append(f"{counted(above, 'line')} above the header")
     while header and not header[-1] and not any(cells[len(header) - 1 : len(header)] > [""] for _, cells in head):
         header.pop()
     if any(len(name) > MAX_NAME for name in header):
-        raise mistake(
-            source.file, source.place, f"must have names of at most {MAX_NAME} characters, found a longer one"
-        )
+        raise mistake(source.file, source.place, f"must have names of at most {MAX_NAME} characters")
     units = head[0][1] if head else []
     if any(map(is_unit, units)) and all(is_unit(unit) or unit in ("", "-", "[-]") for unit in units):
         head = head[1:]
@@ -409,19 +395,13 @@ def shipped_rows(name: str) -> list[dict[str, str]]:
 
 def _of_rows(table: Any) -> Source:
     """Return a source for rows given in Python: mappings, columns by name, or a data frame."""
-    columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     try:
-        # A data frame gives its columns, and anything else its rows.  If two names are the same, these are too short.
-        records = (
-            table if columns is None else zip(*(items(table[name]) for name in dict.fromkeys(columns)), strict=True)
-        )
-        rows = [dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in records]
+        rows = records(table)
     except (TypeError, ValueError):
         message = "must be a path, rows as mappings, columns of equal length, or a data frame with different names"
         raise mistake("rows", "", f"{message}, found a {type(table).__name__}") from None
-    names = [*dict.fromkeys(name for row in rows for name in row)]
-    lines = [(f"row {place}", [_cell(row.get(name)) for name in names]) for place, row in enumerate(rows, 1)]
-    header = [*map(str, names)]
+    header = [*dict.fromkeys(name for row in rows for name in row)]
+    lines = [(f"row {place}", [row.get(name, "") for name in header]) for place, row in enumerate(rows, 1)]
     digest = sha256(json.dumps([header, *(cells for _, cells in lines)]).encode())
     return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
 
@@ -438,28 +418,34 @@ def read_rows(
     """Read the rows of a table of a kind; at least ``least`` must be left.
 
     Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
-    Columns that are not read must not divide the rows, unless ``ignore`` names them; if the table is not ``closed``,
-    they are groups.
+    Columns that are not read must not divide the rows, unless ``ignore`` names them or the table is not ``closed``.
     """
     file, where = source.file, where or {}
     columns = columns_of(source.header, kind.keys)
-    chosen, unwanted = ({i for name in names for i in named_places(source, columns, name)} for names in (where, ignore))
+    chosen = [(i, str(value)) for name, value in where.items() for i in places_of(source, columns, name)]
+    unwanted = {i for name in ignore for i in named_places(source, columns, name)}
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
-    unread = {i for i, column in enumerate(columns) if not column.known} - chosen - unwanted
-    columns, lines, uncounted = _checked(source, kind, columns, unread, least)
-    lines = _chosen(source, columns, lines, where, uncounted)
-    left_out = tuple(place for place, _ in lines if place in uncounted)
-    lines = [line for line in lines if line[0] not in uncounted]
-    source.check_marks(lines)
+    unread = {i for i, column in enumerate(columns) if not column.known and not column.averaged}
+    unread -= {i for i, _ in chosen} | unwanted
+    columns, every, reasons = _checked(source, kind, columns, unread, least)
+    lines = _chosen(source, columns, every, chosen, reasons)
+    unused = [(place, reasons[place], cells) for place, cells in every if place in reasons]
+    not_used = tuple(NotUsed(place, source.title(index), cells[index], (*cells,)) for place, index, cells in unused)
+    left_out = tuple(place for place, _ in lines if place in reasons)
+    lines = [line for line in lines if line[0] not in reasons]
     places = [place for place, _ in lines]
+    source.check_marks(places)
     rows = [CsvRow(place, {}, {}) for place in places]
-    groups, dividing, ignored, warnings = dict[str, list[str]](), dict[str, list[str]](), list[str](), list[str]()
+    groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
+    repeated: dict[str, dict[str, list[float | None]]] = {}
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
         if source.form and source.form[0].startswith("sheet ") and column.key in kind.needed and {*cells} == {""}:
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in kind.numbers:
             numbers, _ = source.numbers(name, column, places, cells)
+            if column.averaged:
+                repeated.setdefault(column.key, {})[name] = numbers
             for row, cell, number in zip(rows, cells, numbers, strict=True):
                 row.texts.update({column.key: cell} if cell else {})
                 row.numbers.update({} if number is None else {column.key: number})
@@ -467,7 +453,7 @@ def read_rows(
             _fill_texts(source, name, column, cells, rows)
         elif column.known and column.key in GROUPS:
             groups[name] = cells
-        elif not column.known and index not in chosen:
+        elif not column.known and index not in dict(chosen):
             ignored += [name] * bool(source.header[index] or any(cells))
             if index in unread and are_remarks(cells):
                 said = dict[str, list[str]]()
@@ -475,25 +461,25 @@ def read_rows(
                     said.setdefault(cell, []).append(place)
                 texts = [f'"{text}" in {listed(those)}' for text, those in said.items() if text]
                 warnings.append(f"{name}, which is not read, says {'; '.join(texts)}")
-            elif index in unread and (division := how_divided(name, cells, kind.noun, source.form)):
-                dividing[name] = cells
-                if closed:
-                    source.divided(name, *division, "is not read and ")
+            elif index in unread and closed:
+                _check_unread(source, name, cells, kind.noun)
+    for key, by_name in repeated.items():
+        _average(source, key, by_name, rows)
     equal = _equal(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
     notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
+    notes += [f"mean of {joined([*by_name])}" for by_name in repeated.values() if len(by_name) > 1]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     names = Counter(row.texts.get(kind.texts[0]) for row in rows)
     if several := [name for name, count in names.items() if name and count > 1]:
         notes.append(f"several {kind.noun}s named {listed(several)}")
-    if left_out:
-        notes.append(f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count")
-    if equal:
-        notes.append(f"{listed(equal)} equal to an earlier row, counted")
+    notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
+    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
     told = source.told(counted(len(rows), kind.noun), notes)
-    read = TableRead(*told, left_out, (*ignored,), source.digest.hexdigest(), (*warnings,))
-    return CsvTable(file, rows, read, groups if closed else groups | dividing)
+    digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
+    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
+    return CsvTable(rows, read, groups)
 
 
 def are_remarks(cells: Sequence[str]) -> bool:
@@ -504,41 +490,32 @@ def are_remarks(cells: Sequence[str]) -> bool:
     """
     texts = {*cells} - {""}
     if "" in cells and texts:
-        return all(len(letters(text)) > LONGEST_CODE and not is_number(text) and is_yes(text) is None for text in texts)
+        return not any(is_code(text) or is_number(text) or is_yes(text) is not None for text in texts)
     return len(texts) == len(cells) and any(map(_PHRASE.search, texts))
 
 
-def how_divided(name: str, cells: Sequence[str], noun: str, form: Collection[str]) -> Division | None:
-    """Return how a column that is not read divides the rows of a table, given its form; None if it does not.
+def _check_unread(source: Source, name: str, cells: Sequence[str], noun: str) -> None:
+    """Record as wrong that a column which is not read divides the rows: some cells are equal, and others differ.
 
-    It divides them if some cells are equal and others differ.  Numbers of which more than half differ are measured, and
-    divide the rows only if they lie in two groups far apart, as yaw angles do of which some are too great.
+    Numbers of which more than half differ are measured, and divide the rows only if they lie in two groups far apart,
+    as yaw angles do of which some are too great.
     """
-    values, mark = {*cells}, decimal_mark(cells, Column(name), form) or "."
+    values, mark = {*cells}, decimal_mark(cells, Column(name), source.form) or "."
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
-    if len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
-        return by_values(name, cells, noun) if 1 < len(values) < len(cells) else None
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
-    if len(measured) < LEAST_GROUPED or high - low <= GAP * max(low - measured[0], measured[-1] - high):
-        return None
-    ways = f"a column counts leaves {noun}s out, --ignore {shell_word(name)} counts all"
-    return f"divides the {noun}s: up to {low:g}, from {high:g}; {ways}", ()
-
-
-def by_values(name: str, cells: Sequence[str], noun: str, or_each: str = "") -> Division:
-    """Return how a column divides the rows by its values; `or_each` is a further way on."""
-    counts = Counter(cells).most_common()
-    found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
-    options = ("--where", f"{name}={counts[0][0]}")
-    ways = f"{shell_line(options)} chooses{or_each}, --ignore {shell_word(name)} counts all"
-    return f"divides the {noun}s: {found}; {ways}", options
+    if len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
+        if 1 < len(values) < len(cells):
+            source.divided(name, cells, noun, "is not read and ")
+    elif len(measured) >= LEAST_GROUPED and high - low > GAP * max(low - measured[0], measured[-1] - high):
+        ways = f"a column counts leaves {noun}s out, --ignore {shell_line([name])} counts all"
+        source.wrong(name, f"is not read and divides the {noun}s: up to {low:g}, from {high:g}; {ways}")
 
 
 def _checked(
     source: Source, kind: TableKind, columns: list[Column], unread: Collection[int], least: int
-) -> tuple[list[Column], list[Line], set[str]]:
-    """Return the columns of a table, its lines of the width of the header, and the places of those that do not count.
+) -> tuple[list[Column], list[Line], dict[str, int]]:
+    """Return the columns of a table, its lines of the width of the header, and `_uncounted`.
 
     Lines of another width are recorded as wrong.
     """
@@ -561,9 +538,21 @@ def _checked(
     return columns, whole, uncounted
 
 
+def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | None]], rows: Sequence[CsvRow]) -> None:
+    """Fill the rows with the means of several numbers of a quantity, which must agree."""
+    for index, row in enumerate(rows):
+        found = {name: number for name, numbers in by_name.items() if (number := numbers[index]) is not None}
+        if found:
+            row.numbers[key] = fmean(found.values())
+            if max(found.values()) - min(found.values()) > AGREEING * row.numbers[key]:
+                values = joined([f"{value:.5g}" for value in found.values()])
+                message = f"must agree within {100.0 * AGREEING:g} %, found {values}; leave those that are wrong blank"
+                source.wrong(f"{row.place}: {joined([*found])}", message)
+
+
 def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> None:
     """Fill the rows with the cells of a column of texts."""
-    words = no_crosses(cells, column)
+    words = column.words(cells)
     for row, cell in zip(rows, words, strict=True):
         is_word = is_yes(cell) is not None
         if is_word and column.unit:
@@ -576,39 +565,23 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
     source.form += ["x for yes"] * (words is not cells)
 
 
-def no_crosses(cells: Sequence[str], column: Column) -> Sequence[str]:
-    """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
-
-    If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say that a
-    row does not count, a blank cell says that it does.
-    """
-    words = {cell.casefold() for cell in cells} - {""}
-    if column.key == COUNT_KEYS[0] and {*map(column.says, words)} == {False}:
-        return [cell or ("no" if column.yes is False else "yes") for cell in cells]
-    leaves_out = column.key == COUNT_KEYS[0] and column.yes is False
-    if column.yes is None or words - {CROSS} or not (words or leaves_out):
-        return cells
-    return ["yes" if cell else "no" for cell in cells]
-
-
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
     """Return the columns; one that repeats another in another unit or in opposite words is not `known` any more."""
 
     def values(place: int) -> list[float]:
         column, cells = columns[place], [cells[place] for _, cells in lines]
         if column.yes is not None:
-            return [nan if (said := column.says(cell)) is None else said for cell in no_crosses(cells, column)]
+            return [nan if (said := column.says(cell)) is None else said for cell in column.words(cells)]
         mark = decimal_mark(cells, column, source.form) or "."
         return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
 
     kept, first_places = [*columns], dict[str, int]()
     for place, column in sorted(enumerate(columns), key=lambda pair: pair[1].factor != 1.0):
-        if column.known and column.factor and (column.unit or column.yes is not None) and column.key != COUNT_KEYS[0]:
+        if column.known and column.factor and (column.unit or column.yes is not None) and not column.counts:
             first = first_places.setdefault(column.key, place)
             is_other = (columns[first].unit, columns[first].yes) != (column.unit, column.yes)
-            if is_other and all(
-                isclose(*pair, rel_tol=SAME) for pair in zip(values(first), values(place), strict=True)
-            ):
+            pairs = zip(values(first), values(place), strict=True)
+            if is_other and all(isclose(*pair, rel_tol=SAME) for pair in pairs):
                 kept[place] = Column(source.header[place], known=False)
     return kept
 
@@ -620,8 +593,7 @@ def _wrong_columns(
     keys, usual = kind.keys, kind.usual or ", ".join(kind.keys)
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
-    by_other_names = {column.key for name, column in zip(source.header, columns, strict=True) if column.key != name}
-    missing, several = [key for key in keys if key not in by_other_names], set[str]()
+    missing, several = [key for key in keys if key not in {*known_keys, *kind.exact}], set[str]()
     for place, (name, column) in enumerate(zip(source.header, columns, strict=True)):
         if column.known and column.factor == 0.0 and column.units is None:
             yield name, f'must agree with the words for results or yes and no, found "{column.unit}"'
@@ -629,6 +601,8 @@ def _wrong_columns(
             stem = re.sub(r"\s*[(\[].*", "", name)
             ways = joined([f'"{stem} ({unit})"' for unit in column.units or () if unit in USUAL_UNITS], "or")
             yield name, f"must have its unit, as {ways}"
+        elif column.averaged and source.header.count(name) == 1:
+            continue
         elif column.known and known_keys.count(column.key) > 1 and column.key not in several:
             several.add(column.key)
             same = [name for name, other in zip(source.header, columns, strict=True) if other.key == column.key]
@@ -645,29 +619,31 @@ def _wrong_columns(
 
 
 def _chosen(
-    source: Source, columns: Sequence[Column], lines: list[Line], where: Mapping[str, str], uncounted: Collection[str]
+    source: Source, columns: Sequence[Column], lines: list[Line], chosen: list[tuple[int, str]], reasons: dict[str, int]
 ) -> list[Line]:
-    """Return the lines whose cells are those that `where` requires, by name of column.
+    """Return the lines that have the `chosen` values in the columns of the given indices.
 
-    `uncounted` has the places of lines that do not count, in which a required column may be blank.
+    `reasons` has the columns by which lines are not used, by place: so far those that do not count, in which a chosen
+    column may be blank.  It gets those that are not chosen.
     """
-    for name, value in ((name, str(value)) for name, value in where.items()):
-        for index in places_of(source, columns, name):
-            values = dict.fromkeys(cells[index] for _, cells in lines)
-            if value not in values:
-                message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
-                raise mistake(source.file, f"where {name}", message)
-            if columns[index].known and columns[index].key in GROUPS:
-                blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
-                refuse(not_filled(source.file, source.header[index], blank))
-            lines = [line for line in lines if line[1][index] == value]
+    uncounted = {*reasons}
+    for index, value in chosen:
+        name, values = source.title(index), dict.fromkeys(cells[index] for _, cells in lines)
+        if value not in values:
+            message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
+            raise mistake(source.file, f"where {name}", message)
+        if columns[index].known and columns[index].key in GROUPS:
+            blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
+            refuse(not_filled(source.file, name, blank))
+        reasons |= {place: index for place, cells in lines if cells[index] != value}
+        lines = [line for line in lines if line[1][index] == value]
     return lines
 
 
-def places_of(source: Source, columns: Sequence[Column], name: str) -> list[int]:
-    """Return the indices of the columns that a name in `where` means."""
+def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "where") -> list[int]:
+    """Return the indices of the columns that a name in an option means."""
     if not (places := named_places(source, columns, name)):
-        raise mistake(source.file, "where", f'must name a column, found "{name}"')
+        raise mistake(source.file, option, f'must name a column, found "{name}"')
     return places
 
 
@@ -678,19 +654,22 @@ def named_places(source: Source, columns: Sequence[Column], name: str) -> list[i
     return exact or [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
 
 
-def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> set[str]:
-    """Return the places of the lines that do not count, or whose name, in the column `naming`, is that of a summary."""
+def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> dict[str, int]:
+    """Return the lines that do not count, or whose name, in the column `naming`, is that of a summary.
+
+    Each is given by its place, with the index of the column that says so.
+    """
     by_key = {column.key: place for place, column in enumerate(columns) if column.known}
-    name, index = by_key.get(naming), by_key.get(COUNT_KEYS[0])
-    places = {place for place, cells in lines if name is not None and is_summary(cells[name])}
+    name, index = by_key.get(naming), next((place for place in by_key.values() if columns[place].counts), None)
+    places = {place: name for place, cells in lines if name is not None and sums_up(cells[name])}
     if index is None:
         return places
-    for (place, _), cell in zip(lines, no_crosses([cells[index] for _, cells in lines], columns[index]), strict=True):
+    for (place, _), cell in zip(lines, columns[index].words([cells[index] for _, cells in lines]), strict=True):
         counts = columns[index].says(cell)
         if counts is None and place not in places:
             source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
         elif not counts:
-            places.add(place)
+            places[place] = index
     return places
 
 
@@ -750,7 +729,7 @@ def number_as(cell: str, mark: str) -> float | None:
     return value
 
 
-def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
+def targets_of(source: Source, table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
     """Return the values of a column that stand for targets, not serial numbers.
 
     At least three shots have such a value, or shots with both results.  Blank cells, as in merged cells of a sheet, are
@@ -762,7 +741,7 @@ def targets_of(table: CsvTable, name: str, perforated: Sequence[bool | None]) ->
     targets = [value for value, results in shots.items() if len(results) >= 3 or len({*results}) == 2]
     if targets and len(shots) > 1:
         blank = [row.place for row, value in zip(table.rows, values, strict=True) if not value]
-        refuse(not_filled(table.file, name, blank))
+        refuse(not_filled(source.file, name, blank))
     return [*filter(None, targets)]
 
 
@@ -776,12 +755,6 @@ def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
     """Yield the problem of a column that names targets and is blank in some rows, given their places."""
     if blank:
         yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
-
-
-def _cell(value: object) -> str:
-    """Return a value as the text of a cell, which is empty for one that is missing."""
-    value = plain(value)
-    return "" if value is None or (not hasattr(value, "__len__") and value != value) else str(value).strip()
 
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:

@@ -1,10 +1,25 @@
 """Values of numpy, pandas, polars, pyarrow, xarray and pint as Python's own."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import nan
-from typing import Any
+from typing import Any, Protocol
 
 OWN = {str, float, int, bool, type(None)}
+
+
+class Frame(Protocol):
+    """A data frame of pandas or polars."""
+
+    @property
+    def columns(self) -> Any:
+        """Names of the columns."""
+
+    def __getitem__(self, name: Any, /) -> Any:
+        """Return a column."""
+
+
+# Rows given in Python: mappings by column, columns by name, or a data frame.
+Rows = Iterable[Mapping[str, Any]] | Mapping[str, object] | Frame
 
 
 def plain(value: Any) -> Any:
@@ -38,6 +53,21 @@ def items(values: Any) -> list[Any]:
         raise TypeError
     listed = values.tolist() if hasattr(values, "tolist") and not _has_unit(values) else values
     return [plain(value) for value in listed]
+
+
+def records(table: Any) -> list[dict[str, str]]:
+    """Return rows given in Python as texts by column; a TypeError or ValueError if they are none, or unequally long."""
+    columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
+    rows = table if columns is None else zip(*(items(table[name]) for name in dict.fromkeys(columns)), strict=True)
+    # If two names of columns are the same, a row has fewer cells than there are names.
+    named = (dict(row) if columns is None else dict(zip(columns, row, strict=True)) for row in rows)
+    return [{str(name): _text(value) for name, value in row.items()} for row in named]
+
+
+def _text(value: object) -> str:
+    """Return a value as a text, which is empty for one that is missing."""
+    value = plain(value)
+    return "" if value is None or (not hasattr(value, "__len__") and value != value) else str(value).strip()
 
 
 def _has_unit(value: Any) -> bool:

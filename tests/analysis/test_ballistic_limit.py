@@ -95,7 +95,7 @@ def test_an_armour_that_every_impact_perforates_has_no_probability():
     found = confidence(scenario(ceramic=None, ceramic_mm=0.0, backing_mm=0.01))
     assert (found.probability_of_stopping, found.ballistic_limit_m_s) == (None, None)
     assert found.reason == "every velocity from 20 m/s perforates"
-    assert repr(found).endswith(": probability of stopping the projectile unknown>")
+    assert repr(found).endswith(": not known: every velocity from 20 m/s perforates>")
 
 
 def test_an_armour_that_no_impact_perforates_is_at_least_as_good():

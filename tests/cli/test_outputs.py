@@ -171,7 +171,11 @@ def test_a_file_is_replaced_where_that_is_asked_for(cli, own: Path):
     [
         ("v50 {shots}", "curve,v50_m_s,v50_interval_low_m_s,v50_interval_high_m_s,scale_m_s", 4),
         ("calibrate {tests} own.toml", "test,quantity,measured,computed,left_out,bound,uncertainty", 13),
-        ("check own.toml", "scenario,threat,verdict,change,velocity_m_s,ballistic_limit_m_s,interval_low_m_s", 5),
+        (
+            "check own.toml",
+            "scenario,threat,verdict,change,velocity_m_s,ballistic_limit_m_s,expected_limit_m_s,interval_low_m_s",
+            5,
+        ),
         ("check own.toml wilkins", "scenario,threat,verdict,change,velocity_m_s", 10),
     ],
 )

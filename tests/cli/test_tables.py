@@ -60,7 +60,7 @@ def test_how_a_table_was_read_is_said_once(cli, folder: Path):
         assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
     line, way_on = cli.fails(2, "v50", "t.csv")
     assert line.startswith(
-        "t.csv: Panel: divides the shots: A (2 shots), B (2 shots); --where Panel=A chooses, --each an"
+        "t.csv: Panel: divides the shots: A (2 shots), B (2 shots); --where Panel=A chooses, --each Panel answers"
     )
     assert way_on.endswith(" --where Panel=A")
 
@@ -73,6 +73,34 @@ def test_a_column_that_is_not_read_may_be_chosen_by_or_ignored(cli, folder: Path
         assert way_on.endswith(" --where 'unfair hit='")
         assert " unfair hit blank" in cli(*words, "--where", "unfair hit=").stderr
         assert " 4 " in cli(*words, "--ignore", "unfair hit").stderr
+
+
+def test_a_column_like_one_that_is_read_is_judged_by_its_cells(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,retest\n700,P,no\n730,C,no\n715,P,no\n800,P,yes\n")
+    assert cli.fails(2, "v50", "t.csv")[0].startswith("t.csv: retest: is not read and divides the shots: no (3 shots)")
+
+
+def test_each_lot_is_closed(cli, folder: Path):
+    """What divides one lot is said of it, and a column that only tells the lots apart divides none."""
+    head, shots = "velocity_m_s,result,lot,kiln,gunner\n", [(700, "P"), (720, "C"), (712, "P"), (716, "C")]
+    rows = [f"{v},{word},{lot},{kiln},Jones\n" for lot, kiln in (("A", "old"), ("B", "new")) for v, word in shots]
+    (folder / "t.csv").write_text(head + "".join(rows))
+    assert "lot A, without kiln, gunner" in cli("v50", "t.csv", "--each", "lot").stderr
+    (folder / "t.csv").write_text(head + "".join([*rows, "750,C,B,new,Smith\n"]))
+    line = cli.fails(2, "v50", "t.csv", "--each", "lot")[-1]
+    assert line.startswith("t.csv: lot B: gunner: is not read and divides the shots: Jones (4 shots), Smith (1 shot)")
+    for words in (["--where", "gunner=Jones"], ["--ignore", "gunner"]):
+        assert "V50 not found to differ: lot B minus lot A" in cli("v50", "t.csv", "--each", "lot", *words).stdout
+
+
+def test_a_shot_is_taken_back_by_the_rules_of_the_table(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,void\n700,P,\n730,C,\n715,P,\n800,P,x\n")
+    undo = ["plan", "shots", "t.csv", *SOON, "--undo"]
+    cli(*undo, "--where", "void=")
+    assert (folder / "t.csv").read_text() == "velocity_m_s,result,void\n700,P,\n730,C,\n800,P,x\n"
+    assert "void: is not read and divides" in cli.fails(2, "plan", "shots", "t.csv", *SOON)[0]
+    cli(*undo)
+    assert (folder / "t.csv").read_text() == "velocity_m_s,result,void\n700,P,\n730,C,\n"
 
 
 def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
@@ -122,24 +150,21 @@ def test_labels_of_cases_are_kept_as_they_are(cli, folder: Path):
 def test_an_answer_for_each_panel(cli, folder: Path):
     (folder / "t.csv").write_text(EXPORT)
     for words in (["v50", "t.csv"], ["plan", "shots", "wilkins", "t.csv", *SOON]):
-        found = json.loads(cli(*words, "--each", "--json").stdout)
-        assert [*found] == ["Panel A", "Panel B", "made_by"]
+        found = json.loads(cli(*words, "--each", "panel", "--json").stdout)
+        assert [*found] == ["Panel A", "Panel B", *["differences"] * (words[0] == "v50"), "made_by"]
         assert [found["Panel B"]["fired"]["complete"], found["Panel B"]["fired"]["names"]] == [
             [False, True],
             ["3", "4"],
         ]
         assert found["Panel B"]["fired"]["read"]["left_out"] == ["line 6"]
-        assert "Panel B: " in cli(*words, "--each").stdout
-        assert cli.fails(2, *words, "--each", "--plot", "x.svg") == [
+        assert "Panel B: " in cli(*words, "--each", "panel").stdout
+        assert cli.fails(2, *words, "--each", "panel", "--plot", "x.svg") == [
             "command line: --plot: must not be given with --each"
         ]
     for option in ("--csv", "--curve"):
-        told = cli.fails(2, "v50", "t.csv", "--each", option, "x.csv")
+        told = cli.fails(2, "v50", "t.csv", "--each", "panel", option, "x.csv")
         assert told == [f"command line: {option}: must not be given with --each"]
-    (folder / "one.csv").write_text("velocity_m_s,result\n700,P\n720,C\n")
-    assert (
-        "must have a column panel, target, plate, specimen, lab or lot" in cli.fails(2, "v50", "one.csv", "--each")[0]
-    )
+    assert cli.fails(2, "v50", "t.csv", "--each", "Lot") == ['t.csv: --each: must name a column, found "Lot"']
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
         'command line: --where: must be COLUMN=VALUE, found the text "A"'
     ]
@@ -159,17 +184,17 @@ def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
         "panel D": "must have at least one partial and one complete penetration, found only complete ones; ",
     }
     for code, words in ((1, ()), (3, ("--requirement-m-s", "650"))):
-        shown, in_json = (cli("v50", "t.csv", "--each", *words, *form) for form in ((), ("--json",)))
+        shown, in_json = (cli("v50", "t.csv", "--each", "panel", *words, *form) for form in ((), ("--json",)))
         assert (shown.exit_code, in_json.exit_code) == (code, code)
         found = json.loads(in_json.stdout)
-        assert [*found] == ["panel A", *why, "made_by"]
+        assert [*found] == ["panel A", *why, "differences", "made_by"]
         assert found["panel A"]["decision"] == ("met" if words else "")
         for name, reason in why.items():
             assert f"\n{name}: {reason}" in shown.stdout
             assert found[name]["no_answer"].startswith(reason)
-    planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "--json").stdout)
+    planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "panel", "--json").stdout)
     assert [*planned] == ["panel A", "panel B", "panel C", "panel D", "made_by"]
-    assert cli.fails(2, "v50", "t.csv", "--each", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
+    assert cli.fails(2, "v50", "t.csv", "--each", "panel", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
 
 
 def test_each_panel_of_an_earlier_table_is_a_firing(cli, folder: Path):
@@ -182,7 +207,7 @@ def test_each_panel_of_an_earlier_table_is_a_firing(cli, folder: Path):
 
 def test_a_swapped_panel_stops_no_other_plan(cli, folder: Path):
     write_panels(folder, A="PPPCCC", B="CCCPPP")
-    shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "--json")
+    shown = cli("plan", "shots", "wilkins", "t.csv", "--each", "panel", "--json")
     assert shown.exit_code == 1
     found = json.loads(shown.stdout)
     assert "fired" in found["panel A"]
@@ -212,7 +237,7 @@ def test_cases_of_an_export(cli, folder: Path):
 
 def test_options_of_tables_need_one(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
-    for option in (["--where", "panel=A"], ["--each"], ["--sheet", "x"]):
+    for option in (["--where", "panel=A"], ["--each", "panel"], ["--sheet", "x"]):
         assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
             f"command line: {option[0]}: must be given with SHOTS"
         ]
@@ -229,3 +254,48 @@ def test_a_sheet_with_only_a_header_is_a_firing_without_shots(cli, folder: Path)
     (folder / "t.csv").write_text("velocity_m_s,result\n")
     assert cli.fails(2, "v50", "t.csv") == ["t.csv: must have at least one row below its header"]
     assert cli.fails(2, "v50", "t.csv", "wilkins", "--prior") == ["t.csv: must have at least one shot, found none"]
+
+
+def test_two_lots_are_compared_at_one_level(cli, folder: Path):
+    """Any column may tell the lots apart; an end of an interval that the shots do not bound is named."""
+    shots = [(700, "P"), (710, "P"), (715, "C"), (720, "P"), (725, "C"), (730, "C"), (722, "P"), (735, "C")]
+    rows = [f"{v + by},{word},{name}\n" for name, by in (("old", 0), ("new", 60)) for v, word in shots]
+    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n" + "".join([*rows, "700,P,short\n", "720,C,short\n"]))
+    shown = " ".join(cli("v50", "t.csv", "--each", "kiln").stdout.split())
+    assert "V50 differs: Kiln new minus Kiln old +60 m/s, 95 % interval 8 to 112, p = 0.045" in shown
+    assert "lot V50, m/s 95 % interval, m/s scatter, m/s" in shown
+    assert "Kiln short 710 not bounded" in shown
+    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n700,P,a\n720,C,\n")
+    [line] = cli.fails(2, "v50", "t.csv", "--each", "Kiln")
+    assert line == "t.csv: Kiln: must be filled in every row that counts, found blank cells in line 3"
+
+
+def test_two_velocities_of_a_shot_are_averaged_or_asked_about(cli, folder: Path):
+    header = "V1 (ft/s),V2 (ft/s),V mean (ft/s),result\n"
+    (folder / "t.csv").write_text(f"{header}2300,2310,2305,P\n2400,,,C\n,2350,,P\n2380,2380,2380,C\n")
+    read = cli("v50", "t.csv", "--json")
+    assert json.loads(read.stdout)["fired"]["velocities_m_s"] == pytest.approx(
+        [v * 0.3048 for v in (2305, 2400, 2350, 2380)]
+    )
+    assert "mean of V1 (ft/s), V2 (ft/s) and V mean (ft/s)" in read.stderr
+    (folder / "t.csv").write_text(f"{header}2300,2310,2305,P\n2400,2350,2375,C\n")
+    [line] = cli.fails(2, "v50", "t.csv")
+    assert line == (
+        "t.csv: line 3: V1 (ft/s), V2 (ft/s) and V mean (ft/s): must agree within 1 %, found 731.52, 716.28 and 723.9; "
+        "leave those that are wrong blank"
+    )
+    # That of the impact goes before those of chronographs.
+    (folder / "t.csv").write_text("V1 (m/s),V2 (m/s),V impact (m/s),result\n730,722,715,P\n750,745,741,C\n")
+    assert json.loads(cli("v50", "t.csv", "--json").stdout)["fired"]["velocities_m_s"] == [715.0, 741.0]
+    (folder / "t.csv").write_text("V1 (m/s),V1 (m/s),result\n730,722,P\n750,745,C\n")
+    assert "must be the name of one column" in cli.fails(2, "v50", "t.csv")[0]
+
+
+@pytest.mark.parametrize(("header", "word"), [("counts", "no"), ("Fair hit", "No"), ("excluded", "yes")])
+def test_shots_with_a_blank_count_where_only_others_are_marked(cli, folder: Path, header: str, word: str):
+    (folder / "t.csv").write_text(f"velocity_m_s,result,{header}\n700,P,\n720,C,\n900,P,{word}\n715,P,\n725,C,\n")
+    fired = json.loads(cli("v50", "t.csv", "--json").stdout)["fired"]
+    assert (fired["velocities_m_s"], fired["read"]["left_out"]) == ([700.0, 720.0, 715.0, 725.0], ["line 4"])
+    other = "yes" if word.lower() == "no" else "no"
+    (folder / "t.csv").write_text(f"velocity_m_s,result,{header}\n700,P,\n720,C,{other}\n900,P,{word}\n")
+    assert 'must be yes or no, found ""' in cli.fails(2, "v50", "t.csv")[0]

@@ -12,7 +12,7 @@ SESSIONS = sorted((Path(__file__).parent / "golden").glob("*.txt"))
 # By the word that replaced them, as docs/nomenclature.md has it.
 DEAD = {
     "expected limit": ["with the model error", "median limit", "nominal ballistic limit"],
-    "limit by the model": ["computed (ballistic )?limit", "ballistic limit by the model"],
+    "limit by the model": ["computed (ballistic )?limit"],
     "stops a shot with": [
         "probability of stopping the projectile",
         "probability of perforation",
@@ -31,7 +31,7 @@ DEAD = {
     "no test": ["untested"],
     "the verdict": ["lacks", "shortfall", "short by", "does not suffice", "slack"],
     "not known": [r"probability (is |: )?unknown", "undecided"],
-    "lightest": ["best design", "runner-up", "optimum design"],
+    "lightest": ["runner-up", "optimum design"],
     "materials": ["pairs of materials", "candidates"],
 }
 

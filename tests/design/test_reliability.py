@@ -108,7 +108,7 @@ def test_free_thicknesses_reach_a_confidence():
     free = offer("AD85", {"min": 4.0, "max": 16.0}, "6061-T6", {"min": 4.0, "max": 12.0})
     best = best_of(optimise(catalogue([THREAT], confidence=0.9, **free)))
     [probability] = best.probabilities_of_stopping.values()
-    assert probability == pytest.approx(0.9, abs=1e-4)
+    assert 0.9 <= known(probability) < 0.9005  # thicknesses are rounded up to 0.01 mm
 
 
 def test_the_thickness_of_an_absent_ceramic_does_not_vary():

@@ -197,7 +197,7 @@ def test_thicknesses_that_are_free_come_to_the_optimum_of_the_paper():
     metal = {"material": "5083-H3", "thickness_mm": {"min": 2.0, "max": 14.0}}
     best = best_of(optimise(optimum.replaced({"design": {"ceramic": [free], "backing": [metal]}})))
     # The areal density hardly depends on how it is divided between the two.
-    assert best.areal_density_kg_m2 == pytest.approx(54.21775, abs=2e-4)
+    assert 54.2175 < best.areal_density_kg_m2 < 54.25  # both are rounded up to 0.01 mm
     assert best.backing_thickness_mm == pytest.approx(6.2034, abs=0.05)
     one = best_of(
         optimise(optimum.replaced({"design": {"ceramic": [free], "backing": [{**metal, "thickness_mm": [6.0]}]}}))
@@ -237,7 +237,8 @@ def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
     assert thinnest.thickness_mm < middle
     narrow = best_of(optimise(catalogue(THREATS[:1], **layers, thickness_max_mm=middle)))
     assert narrow.thickness_mm <= middle
-    assert wide.areal_density_kg_m2 < narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2
+    assert wide.areal_density_kg_m2 < narrow.areal_density_kg_m2 + 0.01  # thicknesses are rounded up to 0.01 mm
+    assert narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2
     coarse = offer("AD85", {"min": 2.0, "max": 9.0, "step": 0.1}, "6061-T6", {"min": 1.0, "max": 14.0, "step": 0.1})
     by_grid = best_of(optimise(catalogue(THREATS[:1], **coarse))).areal_density_kg_m2
     assert by_grid - 0.35 < wide.areal_density_kg_m2 <= by_grid
@@ -245,9 +246,9 @@ def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
 
 def test_free_thicknesses_against_several_threats_are_the_least():
     layers = offer("AD85", {"min": 2.0, "max": 14.0}, "6061-T6", [5.0, 7.0])
-    of = catalogue(**layers)
+    of = catalogue(**layers).replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
     for design in optimise(of).frontier:
-        for less, outcomes in ((0.0, {"stopped"}), (2e-6, {"stopped", "perforated"})):
+        for less, outcomes in ((0.0, {"stopped"}), (0.01 + 2e-6, {"stopped", "perforated"})):
             against = [
                 of.replaced(
                     {

@@ -6,7 +6,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.planning import shot_file
-from armour.planning.shot_file import locked, with_shot
+from armour.planning.shot_file import locked, with_shot, without_last
 from armour.statistics.v50 import read_shots
 
 
@@ -73,6 +73,51 @@ def test_a_shot_is_written_as_the_others_are(tmp_path: Path, text: str, encoding
     assert shots.velocities_m_s[-1] == pytest.approx(750.0, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("text", "encoding", "row"),
+    [
+        ("v (m/s);Ergebnis;gewertet\n735,5;PP;\n740;PP;nein\n755,5;CP;\n", "utf-8", "750;CP;\n"),
+        ("V1 (m/s),V2 (m/s),result\n700,702,P\n730,728,C\n", "utf-8", "750,750,C\n"),
+        ("velocity_m_s,result,armour and round\n735.5,P,a b\n755.5,C,a b\n", "utf-8", "750,C,a b\n"),
+    ],
+)
+def test_a_shot_has_what_the_others_have(tmp_path: Path, text: str, encoding: str, row: str):
+    path = tmp_path / "s.csv"
+    path.write_bytes(text.encode(encoding))
+    path.write_bytes(with_shot(path, 750.0, "complete"))
+    assert path.read_bytes().decode(encoding) == text + row
+    assert read_shots(path).complete == (False, True, True)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_the_last_shot_that_counts_is_taken_back(tmp_path: Path, encoding: str, end: str):
+    rows = ("n\u00b0;v (m/s);r\u00e9sultat;valable;plaque", "1;700;PP;oui;A", "2;720,5;CP;oui;A", "3;710;PP;oui;B", "")
+    path, text = tmp_path / "s.csv", end.join((*rows[:-1], "4;750;CP;non;B", "moyenne;715;;;", ""))
+    path.write_bytes(text.encode(encoding))
+    for where, taken in ((None, rows[3]), ({"plaque": "A"}, rows[2])):
+        content, said = without_last(path, where)
+        assert content.decode(encoding) == text.replace(taken + end, "")
+        assert said == f"line {rows.index(taken) + 1}, {taken}"
+    for none in ("", "velocity_m_s,result\n", "velocity_m_s,result,counts\n700,P,no\n"):
+        path.write_text(none)
+        with pytest.raises(InputError, match="must have a shot to take back, found none"):
+            without_last(path)
+
+
+def test_a_new_file_says_what_the_shots_are_at(tmp_path: Path):
+    path = tmp_path / "s.csv"
+    path.write_bytes(with_shot(path, 700.0, "partial", target="8 mm AD85, glued"))
+    path.write_bytes(with_shot(path, 720.0, "complete", target="8 mm AD85, glued"))
+    shots = read_shots(path)
+    assert (shots.target, shots.names) == ("8 mm AD85, glued", ("1", "2"))
+    assert shots.read is not None
+    assert shots.read.plain
+    path.write_text(f"{path.read_text()}3,730,complete,something else\n")
+    with pytest.raises(InputError, match=r"armour and round: divides the shots: 8 mm AD85, glued \(2 shots\), "):
+        read_shots(path)
+
+
 def test_a_shot_at_one_of_several_panels(tmp_path: Path):
     path = tmp_path / "s.csv"
     path.write_text("velocity_m_s,result,panel\n700,P,A\n720,C,A\n800,P,B\n820,C,B\n")
@@ -83,8 +128,8 @@ def test_other_columns_stay_and_misspelt_ones_are_refused(tmp_path: Path):
     path = tmp_path / "s.csv"
     path.write_text("shot,velocity_m_s,result,yaw_deg\nA1,700,partial,1\nA2,750.25,complete,\n")
     assert read_shots(path).names == ("A1", "A2")
-    for wrong in ("shots", "results"):
-        path.write_text(f"velocity_m_s,result,{wrong}\n700,partial,1\n")
+    for header, wrong in (("velocity_m_s,result", "shots"), ("velocity_m_s,shot", "results")):
+        path.write_text(f"{header},{wrong}\n700,partial,1\n")
         with pytest.raises(InputError, match=f"{wrong}: unknown column"):
             read_shots(path, one_kind=True)
     path.write_text("test,ballistic_limit_m_s\na,700\n")

@@ -8,6 +8,7 @@ import pytest
 
 from armour.design.check import CheckResult, check, check_of
 from armour.design.optimise import BestDesign, optimise
+from armour.design.requirements import GOOD
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import lacks_sources
 from armour.scenario.scenario import Scenario
@@ -99,7 +100,7 @@ def compare(seed: int) -> str:
     assert shown.check == check(shown.scenario)
     by_layers = {each.layers: each for each in every}
     assert by_layers[layers_of(shown)].verdict == shown.check.verdict
-    passing = [each for each in every if each.verdict == "passes"]
+    passing = [each for each in every if each.verdict in GOOD]
     not_known = [each for each in every if each.verdict == "not known"]
     assert result.reason == ("" if passing else "not known" if not_known else "none passes")
     if offered := passing or not_known:

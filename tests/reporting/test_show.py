@@ -164,5 +164,5 @@ def test_another_ending(folder: Path):
 
 
 def test_a_report_is_on_a_scenario_or_a_suite(tmp_path: Path):
-    with pytest.raises(InputError, match="subject: must be a Scenario or the result of validate, found a str"):
+    with pytest.raises(InputError, match="subject: must be a Scenario or the result of validate or v50, found a str"):
         report("wilkins", tmp_path / "x.md")  # type: ignore[arg-type]

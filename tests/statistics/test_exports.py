@@ -202,7 +202,11 @@ def with_column(folder: Path, name: str, cells: str, **settings: object) -> armo
         ("Ausrei\u00dfer", "||||||ja", "blank (6 shots), ja (1 shot)"),
         ("Remarks", "|NFH|spall on witness||||", "blank (5 shots), NFH (1 shot), spall on witness (1 shot)"),
         ("flag", "||1||||", "blank (6 shots), 1 (1 shot)"),
-        ("operator", "A|A|B|B|B|B|B", "B (5 shots), A (2 shots); --where operator=B chooses, --ignore operator counts"),
+        (
+            "operator",
+            "A|A|B|B|B|B|B",
+            "B (5 shots), A (2 shots); --where operator=B chooses, --each operator answers for",
+        ),
         ("tile", "8|8|8|8|10|10|10", "8 (4 shots), 10 (3 shots)"),
         ("yaw", "0.4|1.2|0.8|2.1|1.1|6.4|0.9", "up to 2.1, from 6.4; a column counts leaves shots out, --ignore yaw"),
         ("yaw", "0.4|1.2|7.3|2.1|1.1|6.4|8.1", "up to 2.1, from 6.4"),

@@ -11,13 +11,14 @@ from collections.abc import Callable, Iterator
 from math import sqrt
 
 from tools.campaigns.verdict import verdict
-from tools.experiments import calibrations, curves, firings, uncertainty
+from tools.experiments import calibrations, curves, firings, lots, uncertainty
 from tools.experiments.share import Share
 
 # Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
 EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
     "curves": (curves.shares, 1000),
     "wide_curves": (curves.wide_shares, 300),
+    "lots": (lots.shares, 2000),
     "calibrations": (calibrations.shares, 300),
     "uncertainty": (uncertainty.shares, 200),
     "firings": (firings.shares, 250),

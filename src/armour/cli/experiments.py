@@ -29,8 +29,8 @@ from armour.cli.options import (
     word_option,
 )
 from armour.cli.runner import Files, answer, check_options, check_outputs, read_scenario, say_how_read, wrong_option
-from armour.errors import NoAnswerError, point_hint
-from armour.files import WORKBOOKS, parse_toml, shell_line, shipped_tests
+from armour.errors import NoAnswerError, point_hint, refuse
+from armour.files import WORKBOOKS, parse_toml, shell_line, shipped_tests, wrong_ending
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
@@ -38,7 +38,9 @@ from armour.scenario.keys import describe
 WHERE = option("Read only the rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 SHEET = option("Sheet of a workbook, by default the only visible one with a table.", metavar="NAME")
 IGNORE = option("Count all rows whatever this column, which is not read, says of them; repeatable.", metavar="COLUMN")
-EACH = flag("Give one answer for each value of the column of panels, targets or the like.", "--each")
+EACH = option(
+    "Give one answer for each value of this column, such as lot; v50 says how these differ.", metavar="COLUMN"
+)
 REQUIREMENT_FRACTION = number_option(
     "Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50; "
     "by default 0.5.",
@@ -84,9 +86,10 @@ def v50(
     csv: Path | None = file_option("Write the fitted curves as CSV."),
     curve: Path | None = file_option("Write the recommended curve with its confidence band as CSV."),
     plot: Path | None = PLOT,
+    report: Path | None = file_option("Write the record of the firing, a page for each lot, as .html or .md."),
     where: list[str] | None = WHERE,
     ignore: list[str] | None = IGNORE,
-    each: bool = EACH,
+    each: str | None = EACH,
     sheet: str | None = SHEET,
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
@@ -104,11 +107,17 @@ def v50(
     """
     from armour.analysis.estimates import CONFIDENCE
     from armour.cli.firings import each_result
+    from armour.statistics.v50 import compared
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, "v50")
-    check_outputs(tables=[csv, curve], inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
+    tables = [csv, curve]
+    check_outputs(report, tables=tables, inputs=[table, scenario], scenarios=[loaded], plot=plot, force=force)
+    if report is not None:
+        from armour.reporting.formats import REPORT_ENDINGS
+
+        refuse(wrong_ending(report, REPORT_ENDINGS))
     options = given(
         pairs=pairs,
         span_m_s=span_m_s,
@@ -125,10 +134,11 @@ def v50(
         def estimate(fired: armour.Shots) -> armour.FiringResult:
             return armour.v50(fired, loaded, on_progress=count, **options)
 
-        if each:
+        if each is not None:
             files_of_one = {"--csv": csv, "--curve": curve, "--plot": plot}
             check_options(*((name, file, "must not be given with --each") for name, file in files_of_one.items()))
-            found: Any = each_result(estimate, table, chosen(where), sheet, ignore or ())
+            parts: Any = each_result(estimate, table, each, chosen(where), sheet, ignore or ())
+            found: Any = compared(parts.results, parts.unanswered)
             results, unanswered, file = [*found.results.values()], found.unanswered, str(table)
         else:
             fired = armour.read_shots(table, one_kind=prior, where=chosen(where), sheet=sheet, ignore=ignore or ())
@@ -136,11 +146,13 @@ def v50(
             results, unanswered = [found], {}
             file = ", ".join([fired.file, *([loaded.file] if loaded else [])])
             files = {csv: lambda _: rows_csv(found), curve: lambda _: rows_csv(found.band())}
+    if report is not None:
+        files = {**files, report: lambda path: _record(found, path)}
     answer(found, loaded, files, plot=plot, file=file, as_json=as_json, verbose=verbose)
-    if not each and found.decision == "not decided":
+    if each is None and found.decision == "not decided":
         required = ["--requirement-m-s", f"{requirement_m_s:g}"]
         runner.propose(shell_line(["armour", "plan", "shots", runner.source_word(table), *required]))
-    elif not each and loaded is not None and not found.decision and found.bounded_confidence == CONFIDENCE:
+    elif each is None and loaded is not None and not found.decision and found.bounded_confidence == CONFIDENCE:
         low, high = found.bounded_interval_m_s
         measured = f"{found.recommended.v50_m_s:.0f} ± {0.25 * (high - low):.0f} m/s"
         runner.propose(f"armour calibrate, with this V50 as a test: {measured}")
@@ -148,6 +160,16 @@ def v50(
         raise typer.Exit(runner.CHECK_FAILED)
     if unanswered:
         raise typer.Exit(runner.NO_ANSWER)
+
+
+def _record(result: Any, path: Path) -> str:
+    """Return the record of a firing as the text of a file."""
+    from armour.reporting.formats import report_text
+    from armour.reporting.record import firing_report
+
+    if path.suffix.lower() == ".html":
+        runner.drawing()
+    return report_text(firing_report(result, runner.command_line()), path)
 
 
 def calibrate(
@@ -313,9 +335,10 @@ def plan_shots(
         metavar="RESULT",
     ),
     velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
+    undo: bool = flag("Take the last shot back from SHOTS.", "--undo"),
     where: list[str] | None = WHERE,
     ignore: list[str] | None = IGNORE,
-    each: bool = EACH,
+    each: str | None = EACH,
     sheet: str | None = SHEET,
     plot: Path | None = PLOT,
     force: bool = FORCE,
@@ -340,7 +363,7 @@ def plan_shots(
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, "plan_shots")
     check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
-    is_fired, is_divided = result is not None, each or sheet is not None
+    is_fired, is_divided = result is not None, each is not None or sheet is not None
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
         ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
@@ -350,14 +373,16 @@ def plan_shots(
             f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}",
         ),
         ("--where", table is None and where, "must be given with SHOTS"),
-        ("--each" if each else "--sheet", table is None and is_divided, "must be given with SHOTS"),
+        ("--sheet" if each is None else "--each", table is None and is_divided, "must be given with SHOTS"),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
-        ("--plot", plot and each and not is_fired, "must not be given with --each"),
+        ("--plot", plot and each is not None and not is_fired, "must not be given with --each"),
+        ("--undo", undo and table is None, "must be given with SHOTS, from which it takes a shot back"),
+        ("--undo", undo and (is_fired or simulate or is_divided), "must be given without --result and the like"),
         ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
         ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
-        ("--result", is_fired and is_divided, f"must not be given with {'--each' if each else '--sheet'}"),
+        ("--result", is_fired and is_divided, f"must not be given with {'--sheet' if each is None else '--each'}"),
     )
-    if is_fired:
+    if is_fired or undo:
         check_outputs(plot=plot, updated=table, force=force)
     options = given(
         procedure=procedure,
@@ -381,20 +406,25 @@ def plan_shots(
         with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
             plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
             files: Files = {}
-            if result is None or table is None:
-                planned: Any = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each=each)
+            planned: Any
+            if undo and table is not None:
+                planned, notes, files = firings.plan_without_last(plan, stack, table, chosen(where), ignore or ())
+            elif result is None or table is None:
+                planned = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each)
                 notes = planned.notes
             else:
-                planned, notes, files = firings.plan_after(
-                    plan, stack, table, result, velocity_m_s, chosen(where), ignore or ()
-                )
+                from armour.scenario.scenario import ANY_VELOCITY
+
+                target = "" if loaded is None else loaded.subject(ANY_VELOCITY)
+                change = (stack, table, result, velocity_m_s, chosen(where), ignore or (), target)
+                planned, notes, files = firings.plan_after(plan, *change)
         file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
         answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
-    if not each and planned.next_velocity_m_s is not None and not is_fired:
+    if each is None and planned.next_velocity_m_s is not None and not is_fired and not undo:
         shot = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
         runner.propose(f"add {'' if table else 'shots.csv '}{shot}")
-    elif not each and planned.next_velocity_m_s is None and table is not None:
+    elif each is None and planned.next_velocity_m_s is None and table is not None:
         command = ["armour", "v50", runner.source_word(table)]
         runner.propose(shell_line([*command, *([runner.source_word(loaded.file)] if loaded else [])]))
-    if each and planned.unanswered:
+    if each is not None and planned.unanswered:
         raise typer.Exit(runner.NO_ANSWER)

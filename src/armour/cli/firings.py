@@ -1,4 +1,4 @@
-"""Answer questions on tables of shots: for each target separately, for the next shot, and after adding a shot."""
+"""Answer questions on tables of shots: for each value of a column, for the next shot, and after adding a shot."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
@@ -9,13 +9,13 @@ import armour
 from armour.analysis.results import EachResult, Result
 from armour.cli.console import say
 from armour.cli.runner import Files, say_how_read, wrong_option
-from armour.columns import GROUPS, perforates
+from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
-from armour.errors import InputError, NoAnswerError, Note, joined, mistake
+from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
-from armour.planning.shot_file import content_of, locked, with_shot
+from armour.planning.shot_file import content_of, locked, with_shot, without_last
 from armour.scenario.keys import describe
-from armour.statistics.v50 import Shots, firings_of, is_of_shots, shots_of
+from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
 
 # Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
@@ -24,23 +24,25 @@ FAR_FROM_PLAN = 0.1
 def each_result(
     answer: Callable[[Shots], Result],
     table: Path,
+    column: str,
     where: Mapping[str, str],
     sheet: str | None,
     ignore: Sequence[str],
 ) -> EachResult:
-    """Call `answer` with the shots at each target in a table; name each result by column and value, as "panel A".
+    """Call `answer` with the shots for each value of a column; name each result by column and value, as "panel A".
 
-    `where` has the values of columns that rows must have, and `sheet` is that of a workbook.  Shots that have no answer
-    do not stop the others.
+    `where` has the values of other columns that rows must have, and `sheet` is that of a workbook.  Shots that have no
+    answer do not stop the others.
     """
     results, unanswered = {}, {}
-    targets = firings_of(table, where, sheet, ignore)
-    if not targets:
-        message = f"must have a column {joined(GROUPS, 'or')}, with several shots for each of its values"
-        raise mistake(table, "--each", message)
-    for name, value in targets:
+    for name, value in lots_of(table, column, where, sheet, ignore):
         chosen = {**where, name: value}
-        fired = say_how_read(table, armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore))
+        try:
+            fired = armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore)
+        except InputError as error:
+            problems = [problem._replace(key=f"{name} {value}: {problem.key}") for problem in error.problems]
+            raise InputError(problems) from None  # options that suit this lot need not suit the others
+        say_how_read(table, fired)
         try:
             results[f"{name} {value}"] = answer(fired)
         except NoAnswerError as error:
@@ -58,7 +60,7 @@ def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots
         return [
             say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
             for table in tables
-            for chosen in [{name: value} for name, value in firings_of(table, {}, None, ignore, least=2)] or [{}]
+            for chosen in [{name: value} for name, value in firings_of(table, ignore)] or [{}]
         ]
     except InputError as error:
         raise InputError(error.problems) from None  # --where is of another table
@@ -70,10 +72,9 @@ def next_plan(
     where: Mapping[str, str],
     sheet: str | None,
     ignore: Sequence[str],
-    *,
-    each: bool,
+    each: str | None,
 ) -> EachResult | ShotPlan:
-    """Return what `plan` returns for the shots of a table or, with `each`, for those at each target in it.
+    """Return what `plan` returns for the shots of a table or, with `each`, for each value of this column.
 
     Without a table, and before the first shot has been written into it, `plan` is called with None.
     """
@@ -82,8 +83,8 @@ def next_plan(
     is_new = table.suffix == ".csv" and not exists(table)
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-    if each:
-        return each_result(plan, table, where, sheet, ignore)
+    if each is not None:
+        return each_result(plan, table, each, where, sheet, ignore)
     if is_new:
         return plan(None)
     fired = armour.read_shots(table, one_kind=True, where=where, sheet=sheet, ignore=ignore)
@@ -98,11 +99,12 @@ def plan_after(
     velocity_m_s: float | None,
     where: Mapping[str, str],
     ignore: Sequence[str],
+    target: str,
 ) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
 
-    Return the plan, its notes and those on the added shot, and the table as a file to write.  The table stays locked
-    until ``stack`` is closed.
+    Return the plan, its notes and those on the added shot, and the table as a file to write, which names the ``target``
+    if it is new.  The table stays locked until ``stack`` is closed.
     """
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
@@ -123,15 +125,33 @@ def plan_after(
     if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
         words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
         notes.append(Note(words))
-    content = with_shot(table, velocity, result, where)
+    content = with_shot(table, velocity, result, where, target)
     source = open_table(table, is_of_shots, content=content)
     after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
+    return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
 
-    def content_with_shot(_path: Path) -> bytes:
-        if content_of(table) != earlier_content:
+
+def plan_without_last(
+    plan: Callable[..., ShotPlan], stack: ExitStack, table: Path, where: Mapping[str, str], ignore: Sequence[str]
+) -> tuple[ShotPlan, list[Note], Files]:
+    """Plan the next shot after taking the last one back from a table; see `plan_after`."""
+    stack.enter_context(locked(table))
+    earlier_content = content_of(table)
+    content, taken = without_last(table, where, ignore)
+    source = open_table(table, is_of_shots, content=content)
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
+    say(f"note: {table}: without {taken}")
+    return after, [*after.notes], {table: _replacing(table, earlier_content, content)}
+
+
+def _replacing(table: Path, earlier: bytes | None, content: bytes) -> Callable[[Path], bytes]:
+    """Return a function that returns the content of a table to write, unless it is no longer the earlier one."""
+
+    def replaced(_path: Path) -> bytes:
+        if content_of(table) != earlier:
             raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
         return content
 
-    return after, [*notes, *after.notes], {table: content_with_shot}
+    return replaced

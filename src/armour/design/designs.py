@@ -399,9 +399,9 @@ class Designs:
             changes = (pairs[thin] == pairs[thick]) & (other_layer[thin] == other_layer[thick])
             changes &= (verdicts[thin] > FAILS) & (verdicts[thick] == FAILS)
             thin, thick = thin[changes], thick[changes]
-            # The model error may be greater for the thicker one.
+            # Where it is known, the model error may be greater for the thicker one.
             limits = [self.limits_m_s(self.offered[places]) for places in (thick, thin)]
-            thin = thin[np.less(*limits).any(axis=1)]
+            thin = thin[np.less(*limits).any(axis=1) | ~self.known(self.offered[thick])]
             for place in thin:
                 yield int(pairs[place]), name, float(other_layer[place])
 

@@ -5,8 +5,9 @@ from os import PathLike
 from typing import Any, NamedTuple
 
 from armour.columns import column_of, columns_of
-from armour.csv_files import CsvRow, Rows, TableKind, TableRead, open_table, read_rows
+from armour.csv_files import CsvRow, TableKind, TableRead, open_table, read_rows
 from armour.errors import InputError, Problem, choices, refuse
+from armour.foreign import Rows
 from armour.scenario.inputs import BACKING, CERAMIC, LAYERS, NAMES
 from armour.scenario.scenario import Scenario
 

@@ -84,7 +84,9 @@ def candidates_of(search: FreeThicknesses, criteria: Sequence[str] = ()) -> Cand
     catalogue = search.catalogue
     columns = [name for name in dict.fromkeys((catalogue.section.minimise, *criteria)) if name != MARGIN_COLUMN]
     pairs = range(len(catalogue.offers))
-    parts = [_rounded_up(search, pair, _of_pair(search, pair, columns)) for pair in pairs]
+    parts = [_of_pair(search, pair, columns) for pair in pairs]
+    if not criteria:  # a front has designs that differ by less
+        parts = [_rounded_up(search, pair, part) for pair, part in enumerate(parts)]
     if MARGIN_COLUMN in criteria:
         parts += [part for pair in pairs for part in _with_more_margin(search, pair, columns)]
     return CandidateDesigns.joined(parts)

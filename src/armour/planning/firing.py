@@ -281,6 +281,7 @@ def plan_shots(
     v50.check_shots(shots, kinds=0)
     if requirement_m_s is not None:
         v50.refuse_remarks(shots)
+    refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
     for firing in earlier:
         v50.check_shots(instance(firing, Shots))
     for firing in (shots, *earlier):

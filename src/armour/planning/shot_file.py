@@ -1,8 +1,8 @@
-"""Add a shot to the file of a firing."""
+"""Add a shot to the file of a firing, or take the last one back."""
 
 import csv
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import StringIO
 from itertools import chain
@@ -10,11 +10,11 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from armour.columns import COUNT_KEYS, GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
-from armour.csv_files import SEPARATORS, decimal_mark, no_crosses, open_table, places_of
+from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
+from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
 from armour.files import reason
-from armour.statistics.v50 import Shots, is_of_shots
+from armour.statistics.v50 import SHOTS, TARGET, Shots, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
 # Time to wait for other commands that are adding shots to the same file; each command takes a second or two.
@@ -47,28 +47,30 @@ def content_of(path: Path) -> bytes | None:
     return path.read_bytes() if path.exists() else None
 
 
-def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, str] | None = None) -> bytes:
+def with_shot(
+    path: Path, velocity_m_s: float, word: str, where: Mapping[str, str] | None = None, target: str = ""
+) -> bytes:
     """Return the content of a file of shots with one more shot; the file need not exist.
 
     The new row has the columns, the unit and the decimal marks of the file, and words spelt like those of earlier
-    shots.  ``word`` is the result; ``where`` has the cells of other columns, by name.
+    shots.  ``word`` is the result; ``where`` has the cells of other columns, by name.  A new file also has a column of
+    the ``target``, the armour and round, if they are known.
     """
     content = content_of(path)
-    content = f"{','.join(HEADER)}\n".encode() if content is None else content
-    source = open_table(path, is_of_shots, content=content)
-    if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
-        raise mistake(path, "", "must be a CSV file for a shot to be added; write it into the workbook")
-    columns, shots = columns_of(source.header, HEADER), [cells for _, cells in source.lines]
+    content = f"{','.join((*HEADER, *[TARGET] * bool(target)))}\n".encode() if content is None else content
+    source = _csv_source(path, content)
+    columns, shots = columns_of(source.header, (*HEADER, TARGET)), [cells for _, cells in source.lines]
     row = [""] * len(columns)
     for place, column in enumerate(columns):
         cells = [cells[place] for cells in shots]
         if column.known and column.key == "shot":
             row[place] = next_name(cells, len(shots))
-        elif column.known and column.key in GROUPS:
+        elif column.known and column.key in (*GROUPS, TARGET):
             row[place] = filled.pop() if len(filled := {*filter(None, cells)}) == 1 else ""
+            row[place] = row[place] or (target if column.key == TARGET else "")
         elif column.known and column.key == "result":
             row[place] = _spelt(bool(perforates(word)), word, cells, column)
-        elif column.known and column.key == COUNT_KEYS[0]:
+        elif column.known and column.counts:
             row[place] = _spelt(True, "no" if column.yes is False else "yes", cells, column)
         elif column.known and column.key == "velocity_m_s":
             usual = "," if "semicolons" in source.form else "."
@@ -77,14 +79,41 @@ def with_shot(path: Path, velocity_m_s: float, word: str, where: Mapping[str, st
     for name, value in (where or {}).items():
         for place in places_of(source, columns, name):
             row[place] = value
-    utf16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
-    encoding = utf16 or ("cp1252" if "Windows-1252" in source.form else "utf-8")
+    encoding = _utf16(content) or ("cp1252" if "Windows-1252" in source.form else "utf-8")
     end = "\r\n" if "\r\n".encode(encoding) in content else "\n"
     separator = next(mark for mark, name in SEPARATORS.items() if name in source.form)
     line = StringIO()
     csv.writer(line, delimiter=separator, lineterminator=end).writerow(row)
     begun = "" if content.endswith("\n".encode(encoding)) else end
     return content + (begun + line.getvalue()).encode(encoding)
+
+
+def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Collection[str] = ()) -> tuple[bytes, str]:
+    """Return the content of a file of shots without the last one that counts and `where` chooses, and its line."""
+    content = content_of(path) or b""
+    source = _csv_source(path, content)
+    rows = read_rows(source, SHOTS, where, 0, ignore, closed=False).rows if source.header else []
+    source.refuse()
+    if not rows:
+        raise mistake(path, "", "must have a shot to take back, found none")
+    encoding = _utf16(content) or "utf-8"
+    errors = "surrogateescape" if encoding == "utf-8" else "strict"
+    lines = [*StringIO(content.decode(encoding, errors), newline="")]
+    taken = lines.pop(int(rows[-1].place.removeprefix("line ")) - 1)
+    return "".join(lines).encode(encoding, errors), f"{rows[-1].place}, {taken.strip()}"
+
+
+def _csv_source(path: Path, content: bytes) -> Source:
+    """Open a file of shots that is to be changed; refuse a workbook."""
+    source = open_table(path, is_of_shots, content=content)
+    if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
+        raise mistake(path, "", "must be a CSV file for a shot to be added or taken back; write it into the workbook")
+    return source
+
+
+def _utf16(content: bytes) -> str | None:
+    """Return the encoding of a file that begins with the mark of UTF-16; None for any other file."""
+    return {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
 
 
 def _number(velocity_m_s: float, factor: float) -> str:
@@ -99,7 +128,7 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
     It is the last of the cells that mean `says`.  Without one, it is the counterpart of the last word in the column or
     else `word`, capitalised like the last word.
     """
-    meant = no_crosses(cells, column)
+    meant = column.words(cells)
     if same := [cell for cell, text in zip(cells, meant, strict=True) if column.says(text) == says]:
         return same[-1]
     if meant is not cells:

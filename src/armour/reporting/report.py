@@ -49,6 +49,8 @@ class Report:
     passed: bool | None = None  # colours the lead; None for no colour
     byline: tuple[tuple[str, str], ...] = ()  # names and texts, such as ("author", "A. Smith")
     text: str = ""  # a paragraph after the lead
+    signed: tuple[str, ...] = ()  # who signs at the end, such as "Fired by"
+    pages: "tuple[Report, ...]" = ()  # further pages of the same file
 
 
 def section_of(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from armour.statistics.v50 import Shots
+    from armour.statistics.v50 import FiringResult, Shots
     from armour.validation.validate import SuiteResult
 
 # Keys of a scenario whose texts do not affect results.
@@ -107,7 +107,7 @@ def in_html(result: Result) -> str | None:
 
 @usual_errors()
 def report(
-    subject: "Scenario | SuiteResult",
+    subject: "Scenario | SuiteResult | FiringResult",
     path: str | PathLike[str],
     *,
     as_is: bool = False,
@@ -115,12 +115,14 @@ def report(
     confidence: float | None = None,
     on_progress: OnProgress = ignore_progress,
 ) -> None:
-    """Write a report on a scenario, or on the result of a suite.
+    """Write a report on a scenario or on the result of a suite, or the record of a firing.
 
     Parameters
     ----------
-    subject : Scenario or SuiteResult
-        The report on a scenario has its answer, with uncertainty, sensitivity and the sources of all values.
+    subject : Scenario, SuiteResult or FiringResult
+        The report on a scenario has its answer, with uncertainty, sensitivity and the sources of all values.  The
+        record of a firing has its shots, those not used with the reason, V50, the mean of the standard, and lines to
+        sign.
     path : path-like
         File to write: one self-contained .html file with pictures, or .md for Markdown without them.
     as_is : bool, default False
@@ -140,8 +142,10 @@ def report(
         If the question of the scenario has no answer.
     """
     from armour.reporting.formats import REPORT_ENDINGS, report_text
+    from armour.reporting.record import firing_report
     from armour.reporting.scenario_report import scenario_report
     from armour.reporting.views.validation import suite_report
+    from armour.statistics.v50 import FiringResult
     from armour.validation.validate import SuiteResult
 
     path = Path(path)
@@ -155,7 +159,9 @@ def report(
         content = scenario_report(scenario, command, on_progress, as_is=as_is)
     elif isinstance(subject, SuiteResult):
         content = suite_report(subject, f'armour.report(result, "{path}")')
+    elif isinstance(subject, FiringResult):
+        content = firing_report(subject, f'armour.report(result, "{path}")')
     else:
-        message = f"must be a Scenario or the result of validate, found a {type(subject).__name__}"
+        message = f"must be a Scenario or the result of validate or v50, found a {type(subject).__name__}"
         raise mistake("report", "subject", message)
     write_file(path, report_text(content, path).encode(errors="backslashreplace"))

@@ -13,8 +13,7 @@ from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_orig
 
 from pydantic import PlainValidator, create_model
 
-from armour.csv_files import Rows
-from armour.foreign import items, plain
+from armour.foreign import Rows, items, plain
 from armour.scenario.keys import describe
 from armour.scenario.sections import Section, validated
 

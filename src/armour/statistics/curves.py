@@ -272,17 +272,27 @@ class ShotLikelihood:
         z = points[:, :1] + points[:, 1:] * self.x
         values = self.log_likelihoods(z)
         if self.penalised:
-            # Information relative to the greatest of a shot, and velocities relative to their centre, keep the
-            # determinant exact for any steepness of the curves.
-            x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
-            log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
-            greatest = log_weights.max(axis=1)
-            weights = self.counts * np.exp(log_weights - greatest[:, None])
-            total = weights.sum(axis=1)
-            centre = weights @ x / total
-            determinants = total * (weights * (x - centre[:, None]) ** 2).sum(axis=1)
-            values = values + greatest + 0.5 * np.log(np.maximum(determinants, 1e-200))
+            greatest, total, spread = self.information(points)
+            values = values + greatest + 0.5 * np.log(np.maximum(total * spread, 1e-200))
         return values
+
+    def information(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the Fisher information of the shots on m curves, given by intercepts and slopes, (m, 2).
+
+        These are, (m,) each, the logarithm of the greatest information of a shot and, relative to it, the information
+        on the intercept, and that on the slope about the mean velocity, weighted by the information.  The determinant
+        is the product of the last two.
+        """
+        # Information relative to the greatest of a shot, and velocities relative to their centre, keep the
+        # determinant exact for any steepness of the curves.
+        x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
+        log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
+        greatest = log_weights.max(axis=1)
+        weights = self.counts * np.exp(log_weights - greatest[:, None])
+        total = weights.sum(axis=1)
+        centre = weights @ x / total
+        spread = (weights * (x - centre[:, None]) ** 2).sum(axis=1)
+        return greatest, total, spread
 
     def _loss(self, point: Floats) -> float:
         return -float(self._values(point[None])[0])

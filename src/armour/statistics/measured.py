@@ -16,7 +16,6 @@ from armour.csv_files import (
     Source,
     TableKind,
     TableRead,
-    by_values,
     not_filled,
     open_table,
     read_rows,
@@ -214,7 +213,7 @@ def read_open_tests(
     source, bounds = _without_bounds(source)
     kind = TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL)
     table = read_rows(source, kind, where, ignore=ignore, closed=closed)
-    file, rows = table.file, table.rows
+    file, rows = source.file, table.rows
     for row in (row for row in rows if row.place in bounds):
         if {VELOCITY, OUTCOME} & row.texts.keys():
             message = "must be a number beside a velocity or an outcome, found a bound"
@@ -242,8 +241,8 @@ def read_open_tests(
     are_shots = all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows)
     for name, values in table.groups.items() if closed else ():
         is_lot = column_of(name, ("lot",)).known
-        if len({*values}) > 1 and (is_lot or (are_shots and targets_of(table, name, results))):
-            source.divided(name, *by_values(name, values, "test"))
+        if len({*values}) > 1 and (is_lot or (are_shots and targets_of(source, table, name, results))):
+            source.divided(name, values, "test")
     source.refuse()
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)

@@ -1,7 +1,8 @@
 """V50 from firing results: the mean of MIL-STD-662F [DoD1997], maximum likelihood and penalised likelihood."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import combinations
 from math import comb, inf
 from pathlib import Path
 from statistics import median
@@ -13,16 +14,17 @@ from pydantic import Field, PlainValidator
 from armour import csv_files
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.estimates import CONFIDENCE, Confidence
-from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.columns import GROUPS, YES_MEANS, column_of, perforates
+from armour.analysis.results import EachResult, OnProgress, TableResult, by_column, ignore_progress
+from armour.columns import GROUPS, YES_MEANS, column_of, columns_of, perforates
 from armour.csv_files import Source, TableRead
-from armour.errors import Note, Problem, mistake, refuse
+from armour.errors import NoAnswerError, Note, Problem, mistake, refuse
 from armour.foreign import items
 from armour.scenario.checked import Names, Table, checked, is_number, several
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
 from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
+from armour.statistics.lots import V50Difference, difference_of
 from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
 from armour.units import feet_note
 
@@ -45,7 +47,11 @@ MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Columns that a table of shots needs, and all that it can have.
 KEYS = ("velocity_m_s", "result")
-SHOTS = csv_files.TableKind("shot", ("velocity_m_s",), ("shot", "result"), KEYS)
+# Column in which `plan shots` keeps what the shots are fired at.
+TARGET = "armour and round"
+SHOTS = csv_files.TableKind(
+    "shot", ("velocity_m_s",), ("shot", "result", TARGET), KEYS, "velocity_m_s, shot, result", (TARGET,)
+)
 SHOT_COLUMNS = (*SHOTS.keys, *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
 # Rounding error of a risk.
@@ -87,8 +93,11 @@ class Shots:
         Their names, if they have any.
     read : TableRead or None
         How the shots were read from a table: in ``words``, and whether it was ``plain``, with nothing converted or left
-        out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given, and
-        ``warnings`` with the remarks in columns that were not read.
+        out; the places of rows ``left_out``, columns ``ignored``, the ``sha256`` of the file, or of the rows given,
+        ``warnings`` with the remarks in columns that were not read, the lines above the header as ``title``, the rows
+        ``not_used``, and the columns by which rows were ``chosen``, each with its value.
+    target : str
+        Armour and round that they were fired at, if the table says so.
     """
 
     velocities_m_s: tuple[float, ...]
@@ -96,6 +105,7 @@ class Shots:
     file: str
     names: tuple[str, ...]
     read: TableRead | None = field(compare=False)
+    target: str = field(compare=False)
 
     def __init__(
         self,
@@ -104,6 +114,7 @@ class Shots:
         file: str = "shots",
         names: Iterable[str] = (),
         read: TableRead | None = None,
+        target: str = "",
     ) -> None:
         columns = {"velocities_m_s": velocities_m_s, "complete": complete, "names": names}
         with_items: dict[str, Any] = {}
@@ -114,7 +125,7 @@ class Shots:
                 raise mistake(file, key, f"must be a sequence, found {describe(column)}") from None
         results = tuple(bool(value) if _is_result(value) else value for value in with_items["complete"])
         # What is wrong with a value is told where the shots are used.
-        vars(self).update(with_items, complete=results, file=file, read=read)
+        vars(self).update(with_items, complete=results, file=file, read=read, target=target)
 
     def of(self, *, complete: bool) -> list[float]:
         """Return the velocities of the complete or of the partial penetrations, m/s, in ascending order."""
@@ -145,6 +156,11 @@ class MeanV50:
     span_m_s: float
     span_allowed_m_s: float
     rule: SpanRule
+
+    @property
+    def is_allowed(self) -> bool:
+        """Whether the span is at most the one allowed."""
+        return self.span_m_s <= self.span_allowed_m_s + 1e-9
 
 
 @dataclass(frozen=True)
@@ -196,6 +212,8 @@ class FiringResult(TableResult):
         Whether every complete penetration was faster than every partial one.
     mean : MeanV50 or None
         None if the shots do not meet the rule.
+    means : tuple of MeanV50
+        The means that were tried: those of shots whose span exceeds the one allowed, and ``mean``, if there is one.
     fits : tuple of FittedCurve
         Curves of maximum likelihood; with a prior, empty if the shots have none.
     penalised_fits : tuple of FittedCurve
@@ -278,6 +296,35 @@ class FiringResult(TableResult):
     producers_risk: float | None = None
     fired: Shots | None = None
     expected_limit_m_s: float | None = None
+    means: tuple[MeanV50, ...] = ()
+
+    def difference(self, second: "FiringResult", confidence: Confidence | None = None) -> V50Difference:
+        """Return the V50 of a second lot minus that of this one, if both lots have one scatter.
+
+        Parameters
+        ----------
+        second : FiringResult
+            V50 of the other lot.
+        confidence : float, optional
+            Confidence level of the interval, by default that of this result.
+
+        Returns
+        -------
+        V50Difference
+
+        Raises
+        ------
+        NoAnswerError
+            If one of the two has no recommended curve.
+        """
+        if self.recommended is None or second.recommended is None:
+            raise NoAnswerError("no difference: one of the lots has no recommended curve")
+        lots = (lot.question["shots"] for lot in (self, second))
+        first, other = (
+            ShotLikelihood(shots.of(complete=False), shots.of(complete=True), "probit", penalised=True)
+            for shots in lots
+        )
+        return difference_of(first, other, confidence or self.confidence)
 
     @checked
     def band(
@@ -318,6 +365,37 @@ class FiringResult(TableResult):
 
     def _columns(self) -> dict[str, Any]:
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
+
+
+@dataclass(frozen=True, repr=False)
+class LotResults(EachResult):
+    """V50 of each of several lots, and the differences of all pairs of them.
+
+    Attributes
+    ----------
+    differences : mapping of str to V50Difference
+        By the names of both lots, as "lot B minus lot A".  The intervals of all together have the confidence level of
+        the results: of n pairs, each interval is of the level at which n times fewer are wrong, and each p value is n
+        times that of the pair alone.
+    """
+
+    differences: Mapping[str, V50Difference]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the results as plain data, by name, and the differences."""
+        differences = {name: dict(vars(difference)) for name, difference in self.differences.items()}
+        return {**super().to_dict(), "differences": differences}
+
+
+def compared(results: Mapping[str, FiringResult], unanswered: Mapping[str, str]) -> LotResults:
+    """Return the results of lots with the differences of all pairs; `unanswered` says why others have no V50."""
+    lots = {name: result for name, result in results.items() if result.recommended is not None}
+    pairs, differences = [*combinations(lots.items(), 2)], {}
+    for (first, one), (second, other) in pairs:
+        found = one.difference(other, 1.0 - (1.0 - one.confidence) / len(pairs))
+        p_value = min(found.p_value * len(pairs), 1.0)
+        differences[f"{second} minus {first}"] = replace(found, p_value=p_value)
+    return LotResults(results, unanswered, differences)
 
 
 @checked
@@ -404,28 +482,45 @@ def shots_of(
         if result is None:
             source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
     for name, values in table.groups.items():
-        if len({*values}) > 1 and csv_files.targets_of(table, name, results):
-            source.divided(name, *csv_files.by_values(name, values, "shot", ", --each answers for each"))
+        if len({*values}) > 1 and csv_files.targets_of(source, table, name, results):
+            source.divided(name, values, "shot")
+    targets = [row.texts.get(TARGET, "") for row in rows]
+    if len({*targets} - {""}) > 1:
+        source.divided(TARGET, targets, "shot")
     source.refuse()
     names = tuple(row.texts.get("shot", "") for row in rows)
-    shots = Shots((*velocities,), (*map(bool, results),), source.file, names if any(names) else (), table.read)
+    names = names if any(names) else ()
+    shots = Shots((*velocities,), (*map(bool, results),), source.file, names, table.read, max(targets, default=""))
     check_shots(shots, kinds=0 if one_kind else 2)
     return shots
 
 
-def firings_of(
-    path: Table, where: Mapping[str, str], sheet: str | None, ignore: Sequence[str] = (), least: int = 1
+def lots_of(
+    path: Table, column: str, where: Mapping[str, str], sheet: str | None, ignore: Sequence[str]
 ) -> list[tuple[str, str]]:
+    """Return each value that a column has in the shots that count, after the name of the column in the table."""
+    source = csv_files.open_table(path, is_of_shots, sheet)
+    lines = [*source.lines]
+    source.lines = iter(lines)
+    places = {row.place for row in csv_files.read_rows(source, SHOTS, where, ignore=ignore, closed=False).rows}
+    source.refuse()
+    index = csv_files.places_of(source, columns_of(source.header, SHOTS.keys), column, "--each")[0]
+    name, values = source.title(index), {place: cells[index] for place, cells in lines if place in places}
+    refuse(csv_files.not_filled(source.file, name, [place for place, value in values.items() if not value]))
+    return [(name, value) for value in dict.fromkeys(values.values())]
+
+
+def firings_of(path: Table, ignore: Sequence[str] = ()) -> list[tuple[str, str]]:
     """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
 
-    They are all values of the first column of which at least `least` are not serial numbers.
+    They are all values of the first column of which at least two are not serial numbers.
     """
-    source = csv_files.open_table(path, is_of_shots, sheet)
-    table = csv_files.read_rows(source, SHOTS, where, ignore=ignore, closed=least > 1)
+    source = csv_files.open_table(path, is_of_shots)
+    table = csv_files.read_rows(source, SHOTS, ignore=ignore, closed=False)
     source.refuse()
     results = [perforates(row.texts.get("result", "")) for row in table.rows]
     for name, values in table.groups.items():
-        if len(csv_files.targets_of(table, name, results)) >= least:
+        if len(csv_files.targets_of(source, table, name, results)) > 1:
             return [(name, value) for value in dict.fromkeys(values)]
     return []
 
@@ -535,6 +630,7 @@ def v50(
         lowest_complete_m_s=complete[0] if complete else None,
         separated=not partial or not complete or partial[-1] < complete[0],
         mean=mean_v50(partial, complete, pairs, span_m_s),
+        means=means_of(partial, complete, pairs, span_m_s),
         fits=tuple(fit for _, fit in fits),
         penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
@@ -544,6 +640,7 @@ def v50(
         notes=(
             *map(Note, shots.read.warnings if shots.read else ()),
             *map(Note, _far_from_others(shots)),
+            *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
             *(() if model is None else (*map(Note, (*_far_away(shots, model), *contradictions)), *model.notes)),
         ),
         prior=prior_estimate,
@@ -635,6 +732,12 @@ def _far_from_others(shots: Shots) -> Iterator[str]:
             )
 
 
+def of_another(shots: Shots, scenario: Scenario) -> Iterator[str]:
+    """Yield what is wrong if the shots were fired at another armour, or with another round, than the scenario's."""
+    if shots.target not in ("", subject := scenario.subject(ANY_VELOCITY)):
+        yield f"must be the scenario's, {subject}, found {shots.target}"
+
+
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
     """Yield a warning if the shots seem to be in ft/s, or all lie on one side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
@@ -701,12 +804,22 @@ def mean_v50(
 
     `pairs` is the number of shots of each kind, by default 5, 3 or 2; for any other number the span must be given.
     """
+    return next((mean for mean in means_of(partial, complete, pairs, span_m_s) if mean.is_allowed), None)
+
+
+def means_of(
+    partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
+) -> tuple[MeanV50, ...]:
+    """Compute the means that `mean_v50` tries: those of shots whose span exceeds the one allowed, and its own."""
+    means = []
     for count in SPANS_M_S if pairs is None else (pairs,):
         velocities = [*partial[-count:], *complete[:count]]
-        span = max(velocities) - min(velocities)
-        allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
-        if len(velocities) == 2 * count and span <= allowed + 1e-9:
+        if len(velocities) == 2 * count:
+            span = max(velocities) - min(velocities)
+            allowed = SPANS_M_S[count] if span_m_s is None else span_m_s
             usual = SPANS_M_S.get(count)
             rule: SpanRule = "no usual rule" if usual is None else "usual span" if allowed == usual else "given span"
-            return MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule)
-    return None
+            means.append(MeanV50(sum(velocities) / len(velocities), count, span, allowed, rule))
+            if means[-1].is_allowed:
+                break
+    return tuple(means)

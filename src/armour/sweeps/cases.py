@@ -18,6 +18,7 @@ from armour import csv_files
 from armour.columns import Column, column_of
 from armour.errors import Problem, choices, counted, listed, mistake, refuse, restated
 from armour.files import csv_value, shell_word
+from armour.foreign import Rows
 from armour.scenario.checked import is_name, is_number, several
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
 from armour.scenario.keys import key_name, parts_of
@@ -98,9 +99,7 @@ class SweepCases:
 
     axes: tuple[Axis, ...] = ()  # none: only a grid has axes
 
-    def __init__(
-        self, table: str | PathLike[str] | csv_files.Rows, sheet: str | None = None, keep: Sequence[str] = ()
-    ) -> None:
+    def __init__(self, table: str | PathLike[str] | Rows, sheet: str | None = None, keep: Sequence[str] = ()) -> None:
         source = csv_files.open_table(table, _is_key, sheet, own=True)
         self.file = source.file
         named = [(name, column_of(name, CASE_KEYS)._replace(known=True)) for name in source.header]
@@ -124,7 +123,7 @@ class SweepCases:
                 raise mistake(self.file, where, "must be the name of one column, found several")
         self.count = 0
         blocks: list[tuple[Any, ...]] = []
-        marks: dict[str, str | None] = {}
+        marks: dict[str, str] = {}
         while block := list(islice(source.lines, BLOCK)):
             self.count += len(block)
             if self.count > MAX_CASES:
@@ -134,7 +133,7 @@ class SweepCases:
                 for place, cells in block
                 if len(cells) != len(names)
             )
-            source.check_marks(block)
+            source.check_marks(place for place, _ in block)
             lines = np.array([int(place.rpartition(" ")[2]) for place, _ in block])
             blocks.append((lines, *_read(block, columns, marks, source)))
         if not self.count:
@@ -164,7 +163,7 @@ class SweepCases:
 
 
 def _read(
-    block: Sequence[csv_files.Line], columns: Sequence[Column], marks: dict[str, str | None], source: csv_files.Source
+    block: Sequence[csv_files.Line], columns: Sequence[Column], marks: dict[str, str], source: csv_files.Source
 ) -> list[NDArray[Any]]:
     """Return each column of a block of n lines as numbers or names, (n,).
 
@@ -185,7 +184,7 @@ def _read(
             )
             source.wrong(f"{source.place}: {key}", message)
         else:
-            values, marks[key] = source.numbers(key, column, places, cells, marks.get(key), needed=True)
+            values, marks[key] = source.numbers(key, column, places, cells, marks.get(key, ""), needed=True)
         arrays.append(np.array(values))
     source.refuse()
     return arrays
@@ -222,7 +221,7 @@ def axis_of(text: str) -> Axis:
 
 def source_of(
     over: Mapping[str, object] | str | PathLike[str] | None,
-    cases: str | PathLike[str] | csv_files.Rows | None = None,
+    cases: str | PathLike[str] | Rows | None = None,
     keep: Sequence[str] = (),
 ) -> Grid | SweepCases:
     """Return the rows of a sweep: a grid if `over` is a mapping, cases if it is a path or `cases` is given."""

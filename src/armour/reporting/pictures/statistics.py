@@ -10,7 +10,7 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, deviation_percent, grouped, in_words, interval, percent
-from armour.reporting.views.statistics import MEANS, velocity_name
+from armour.reporting.views.statistics import MEANS, at_one_level, velocity_name
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve, ShotLikelihood
@@ -167,8 +167,11 @@ POSTERIOR = 0.4
 
 
 @draw.register
-def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the part of shots that perforate over velocity, the region of V50 and scatter, and the shots."""
+def draw_firing(result: FiringResult, sheet: drawing.Sheet, *, alone: bool = False) -> drawing.Picture:
+    """Draw the part of shots that perforate over velocity, the region of V50 and scatter, and the shots.
+
+    With `alone`, only the first of these.
+    """
     shots = drawing.recorded(result, "shots")
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
@@ -180,10 +183,8 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     ends = fit.v50_interval_m_s
     if fit is result.recommended:
         notes.append(f"Band: {level} band of the curve.")
-        if result.bounded_confidence is not None and result.bounded_interval_m_s is not None:
-            ends = result.bounded_interval_m_s
     panels = [1.1 * drawing.PANEL]
-    if sheet.ax is None and fit is result.recommended:
+    if sheet.ax is None and fit is result.recommended and not alone:
         panels += [drawing.PANEL, drawing.PANEL]
     if posterior is not None:
         posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
@@ -192,7 +193,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
         notes.append(f"The limit by the model, {model:.1f} m/s, lies outside the axis.")
     if (required := result.requirement_m_s) is not None and not low <= required <= high:
         notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
-    picture = sheet.panels(headline(result), *panels, note=" ".join(notes))
+    picture = sheet.panels(at_one_level(result), *panels, note=" ".join(notes))
     axes = picture.axes[0]
     axes.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate")
     axes.set(xlim=(low, high), ylim=(-0.02, 1.02))

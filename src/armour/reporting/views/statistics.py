@@ -19,17 +19,19 @@ from armour.reporting.table import (
     percent,
     with_interval,
 )
+from armour.reporting.views.analysis import tables_of_each
 from armour.reporting.words import chance, error_note, rounded_up, sampled_percents
 from armour.scenario.scenario import rounds
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
 from armour.statistics.likelihood import Coefficient
+from armour.statistics.lots import V50Difference
 from armour.statistics.measured import LIMIT
 from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
-from armour.statistics.v50 import FiringResult
+from armour.statistics.v50 import FiringResult, LotResults
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 # Inputs of a sensitivity, and tests of a calibration, that the first answer shows.
@@ -329,7 +331,7 @@ def second_note(fit: FittedCurve | None) -> list[str]:
     return [f"as likely as V50 {first} is {second} m/s (scatter {fit.second_scale_m_s:.1f}): further shots decide"]
 
 
-def _points(result: FiringResult) -> dict[str, str]:
+def points(result: FiringResult) -> dict[str, str]:
     """Return the points of the recommended curve that were asked for, with their intervals, by label."""
     points, level = {}, percent(result.confidence)
     if (at := result.at) is not None:
@@ -354,7 +356,7 @@ def velocity_name(fraction: float) -> str:
     return f"V{number.zfill(2)}"
 
 
-def _decision(result: FiringResult) -> str:
+def decision(result: FiringResult) -> str:
     """Return whether a required velocity is met, with the risk that decides."""
     required = (
         f"{result.decision}: {velocity_name(result.requirement_fraction)} of at least {result.requirement_m_s:g} m/s"
@@ -376,7 +378,15 @@ def rounded_risk(risk: float) -> str:
 @line_of.register
 def firing_in_a_line(result: FiringResult) -> str:
     """Return the decision on a required velocity or, without one, V50 with its interval."""
-    return _decision(result) if result.decision else _v50_words(result)
+    return decision(result) if result.decision else _v50_words(result)
+
+
+def at_one_level(result: FiringResult) -> str:
+    """Return V50 by the recommended curve, or else the first, with its interval at the level asked for."""
+    fit = result.recommended or next(iter(result.fits), None)
+    if fit is None or result.extrapolated:
+        return "V50 not bounded by these shots"
+    return f"V50 {fit.v50_m_s:.0f} m/s, {percent(result.confidence)} interval {interval(fit.v50_interval_m_s, '.0f')}"
 
 
 def _v50_words(result: FiringResult) -> str:
@@ -426,7 +436,10 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
 def _facts_of(result: FiringResult) -> dict[str, str]:
     """Return what V50 rests on, by label."""
     mean, fit, posterior, facts = result.mean, result.recommended, result.posterior, dict[str, str]()
-    facts["mean"] = "none: too few shots of each kind within the span allowed"
+    spans = [
+        f"{m.pairs} + {m.pairs} within {m.span_m_s:.3g} m/s, {m.span_allowed_m_s:.3g} allowed" for m in result.means
+    ]
+    facts["mean"] = f"none: {'; '.join(spans) or 'too few shots of each kind'}"
     if mean is not None:
         shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.3g} m/s"
         facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {shots}, {mean.span_allowed_m_s:.3g} allowed ({MEANS[mean.rule]})"
@@ -438,7 +451,7 @@ def _facts_of(result: FiringResult) -> dict[str, str]:
         slow = "at no positive velocity" if fit.v05_m_s is None else f"at {fit.v05_m_s:.0f}"
         scatter = between(result.confidence, fit.scale_interval_m_s, ".0f")
         facts["scatter"] = f"{fit.scale_m_s:.0f} m/s ({scatter}); 5 % perforate {slow}, 95 % at {fit.v95_m_s:.0f} m/s"
-    facts |= {"more": _further(result), **_points(result)}
+    facts |= {"more": _further(result), **points(result)}
     if (limit := result.model_ballistic_limit_m_s) is not None:
         facts["expected"] = f"{limit:.0f} m/s by the model"
         if result.expected_limit_m_s is not None and result.model_interval_m_s is not None:
@@ -448,6 +461,52 @@ def _facts_of(result: FiringResult) -> dict[str, str]:
         ends_of_v50 = between(result.confidence, posterior.v50_interval_m_s, ".0f")
         facts["together"] = f"{posterior.v50_m_s:.0f} m/s ({ends_of_v50}), with the expected limit as prior"
     return facts
+
+
+ONE_SCATTER = (
+    "a difference supposes that the lots have one scatter; of several pairs, all intervals hold together with the "
+    "confidence, and each p is multiplied by their number"
+)
+
+
+@line_of.register
+def lots_in_a_line(result: LotResults) -> str:
+    """Return whether the lots differ or, if they are not compared, their names."""
+    return "; ".join(difference_words(result)) or ", ".join((*result.results, *result.unanswered))
+
+
+def difference_words(result: LotResults, name: str = "") -> list[str]:
+    """Return a line for each pair of lots, or of those with a name, which says whether they differ."""
+    return [
+        _difference(pair, difference, len(result.differences))
+        for pair, difference in result.differences.items()
+        if not name or name in pair.split(" minus ")
+    ]
+
+
+def _difference(pair: str, found: V50Difference, pairs: int) -> str:
+    """Return whether a pair of lots differ, with the interval of the difference."""
+    together = 1.0 - (1.0 - found.confidence) * pairs
+    ends = interval(found.interval_m_s, ".0f")
+    p_value = "< 0.001" if found.p_value < 1e-3 else f"= {found.p_value:.2g}"
+    says = "V50 differs" if found.p_value < 1.0 - together else "V50 not found to differ"
+    return f"{says}: {pair} {found.difference_m_s:+.0f} m/s, {percent(round(together, 9))} interval {ends}, p {p_value}"
+
+
+@tables_of.register
+def tables_of_lots(result: LotResults) -> list[Table | str]:
+    """Return whether the lots differ, V50 of each at one level, and the tables of each."""
+    shown: list[Table | str] = [*difference_words(result)]
+    shown += [ONE_SCATTER] if shown else []
+    fits = {name: lot.recommended for name, lot in result.results.items() if isinstance(lot, FiringResult)}
+    if any(fits.values()):
+        level = percent(next(lot.confidence for lot in result.results.values() if isinstance(lot, FiringResult)))
+        v50: Source = Column("V50", "m/s", ".0f"), lambda row: row[1].v50_m_s
+        ends: Source = Column(f"{level} interval", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".0f")
+        scatter: Source = Column("scatter", "m/s", ".0f"), lambda row: row[1].scale_m_s
+        known = [(name, fit) for name, fit in fits.items() if fit is not None]
+        shown.append(Table.of(known, (Column("lot"), lambda row: row[0]), v50, ends, scatter, title="V50 of each"))
+    return [*shown, *tables_of_each(result)]
 
 
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
