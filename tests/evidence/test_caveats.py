@@ -1,6 +1,6 @@
 """What the model cannot do, said in the answers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 from xml.etree.ElementTree import tostring
 
@@ -212,27 +212,33 @@ def test_answers_name_doubtful_values_and_own_values_are_not_doubted():
     assert said(armour.check(own)) == others
 
 
-def test_a_ceramic_thinner_than_any_tested_is_named_in_the_line_of_every_answer():
+def test_a_ceramic_thinner_than_any_tested_is_named_in_every_answer():
     """Against 12.7 mm APM2 of 10.9 mm, tests begin at 0.89 diameters, 9.7 mm."""
     words = (
         "no ceramic thinner than 0.89 penetrator diameters, here 9.7 mm, was tested: do not rely on limits with less"
     )
-    rounds = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm APM2", "12.7 mm APM2")]
+    far = "3 mm tile (tested 9.7 to 13.1 mm)"
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
-    impact, checked = armour.simulate(thin), armour.check(thin)
-    assert words in texts_of(checked)
-    assert words in tables_of_impact(impact)
-    assert words in tables_of_limit(armour.ballistic_limit(thin))
-    assert any(words in warning for warning in scenario_report(thin, "").warnings)
+    checked, impact, limit = armour.check(thin), armour.simulate(thin), armour.ballistic_limit(thin)
+    report = scenario_report(thin, "")
+    answers: tuple[Iterable[object], ...] = (
+        texts_of(checked),
+        tables_of_impact(impact),
+        tables_of_limit(limit),
+        report.facts,
+    )
+    assert [any(isinstance(text, str) and far in text for text in answer) for answer in answers] == [True] * 4
+    warned = (checked.warnings, impact.warnings, limit.warnings, report.warnings)
+    assert [any(words in warning for warning in warnings) for warnings in warned] == [True] * 4
     assert not any("0.61" in warning for warning in (*impact.warnings, *checked.warnings))
     # 9 mm is thicker than tested against one round and too thin for the other.
-    layers = offer("SiC", 9.0, "6061-T6", 40.0)
-    found = armour.optimise(thin.replaced({"threat": rounds, "design": layers}))
-    assert known(found.best).far_from_tests[0] == "SiC (no test)"
-    words += " against 12.7 mm APM2 at 500 m/s"
-    assert [words in texts_of(found), said(found)] == [True, [words]]
+    rounds = [{"projectile": name, "velocity_m_s": 500.0} for name in ("7.62 mm APM2", "12.7 mm APM2")]
+    found = armour.optimise(thin.replaced({"threat": rounds, "design": offer("SiC", 9.0, "6061-T6", 40.0)}))
+    assert [warning.partition(words)[2] for warning in found.warnings if words in warning] == [
+        " against 12.7 mm APM2 at 500 m/s"
+    ]
     thick = armour.check(thin.replaced({"armour.ceramic_thickness_mm": 10.0}))
-    assert said(thick) == []
+    assert not any(words in warning for warning in thick.warnings)
 
 
 def test_the_depth_of_a_long_rod_is_by_the_equation_as_it_is():
@@ -244,7 +250,7 @@ def test_the_depth_of_a_long_rod_is_by_the_equation_as_it_is():
 
 SHORT = "against fragment simulators, "
 DENSE = "against tungsten-alloy cores, "
-STEEL, LOTS = "on bare steel at normal incidence, ", "on bare steel, lots differ "
+STEEL, LOTS = "on bare steel at normal incidence, ", "on bare steel, a probability is off by "
 
 
 @pytest.mark.parametrize(
