@@ -59,7 +59,7 @@ def test_a_picture_of_no_number_says_so(cli, over: tuple[str, ...]):
 def test_without_a_file_the_answers_are_printed(cli, folder: Path):
     result = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6.35,8", "--set", "impact.velocity_m_s=750")
     header, _, *rows = result.stdout.splitlines()
-    assert header.split("  ")[0] == "ceramic thickness, mm"
+    assert header.split("  ")[0] == "tile thickness, mm"
     assert [row.split()[-1] for row in rows] == ["FAILS", "stop"]
     assert "limit, m/s  stops  verdict" in header
     [untested, mark] = cli("sweep", WILKINS, *OVER, "--set", 'armour.ceramic="SiC"').stdout.splitlines()[2:]

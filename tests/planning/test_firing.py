@@ -42,9 +42,8 @@ def test_a_plan_is_a_pure_function_of_the_shots_so_far(procedure: Any):
     assert (first.fired, first.simulated, first.stopped) == (SHOTS, 0, "")
     found = json.loads(json.dumps(first.to_dict(), allow_nan=False))
     assert found["posterior"]["v50_m_s"] > found["prior"]["v50_m_s"]
-    assert repr(first).startswith(
-        f"<ShotPlan: {ARMOUR}: next shot at {first.next_velocity_m_s:.1f} m/s; after 4 shots V50 "
-    )
+    for said in (ARMOUR, f"{first.next_velocity_m_s:.1f} m/s"):
+        assert said in repr(first)
 
 
 def test_a_simulated_firing_is_reproducible_and_continues_the_shots():
@@ -58,7 +57,8 @@ def test_a_simulated_firing_is_reproducible_and_continues_the_shots():
     assert found.simulated == len(found.fired.complete) - 4
     assert found.stopped
     assert found.next_velocity_m_s is None
-    assert repr(found).startswith(f"<ShotPlan: {ARMOUR}: firing ended; after {4 + found.simulated} shots V50 ")
+    for said in (ARMOUR, "ended", found.stopped):
+        assert said in repr(found)
 
 
 def test_a_simulated_sequence_is_that_of_shots_planned_one_by_one():

@@ -85,7 +85,9 @@ def test_shots_without_a_curve_have_a_posterior():
     for shots in (Shots((700.0, 720.0), (False, False)), Shots((740.0, 700.0), (False, True))):
         result = v50(shots, scenario(), prior=True)
         assert (result.fits, result.recommended, result.mean) == ((), None, None)
-        assert repr(result).endswith(": V50 not bounded by these shots>")
+        assert "V50 not known" in repr(result)
+        low, high = known(result.posterior).v50_interval_m_s
+        assert low < known(result.posterior).v50_m_s < high
     with pytest.raises(InputError, match="must have at least one shot, found none"):
         v50(Shots((), ()), scenario(), prior=True)
 

@@ -99,6 +99,7 @@ def test_the_fitted_numbers_fit_best(suite: str, name: str, step: float):
 
 
 def test_no_probability_is_known():
-    result = confidence(shipped_scenario("paper/program_7.62mm"))
+    """Nor with the error of tests, which were computed with another drive of the plate."""
+    result = confidence(shipped_scenario("paper/program_7.62mm").replaced({"uncertainty.model.included": True}))
     assert result.probability_of_stopping is None
     assert "model.plate_drive = interface" in result.reason

@@ -69,7 +69,7 @@ def deviation_percent(prior: FiringPrior) -> float:
 
 def prior_for(procedure: str, scatter: float) -> FiringPrior:
     """Return the prior of a procedure."""
-    limit = ballistic_limit(load_scenario(SCENARIO))
+    limit = ballistic_limit(load_scenario(SCENARIO).replaced({"uncertainty.model.included": True}))
     assert limit.model_error is not None
     prior = FiringPrior(limit.ballistic_limit_m_s, limit.model_error)
     if procedure != KNOWN:

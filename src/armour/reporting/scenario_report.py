@@ -128,7 +128,7 @@ def _facts(checked: CheckResult, threat: CheckedThreat, answer: Scenario) -> Ite
     near = []
     if (limit := threat.ballistic_limit_m_s) is not None:
         near = [each for each in nearest_measured(answer, limit) if each.is_near(limit)]
-    basis = f"Tests: {tests}" if tests else f"{threat.reason[:1].upper()}{threat.reason[1:]}"
+    basis = f"Tests: {tests}" if tests else f"Model error not known: {threat.reason}"
     yield f"{against} {design_view.limit_words(threat)}. {basis}."
     if threat.far_from_tests:
         yield f"Far from the tests: {', '.join(threat.far_from_tests)}."
