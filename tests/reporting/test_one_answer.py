@@ -72,7 +72,8 @@ def test_a_planted_reason_stands_wherever_the_answer_is_shown(
     for name in ("check.xml", "check.md", "page.html", "report.html", "report.md"):
         assert is_said(Path(name).read_text()), name
     for result in (armour.check(case(threats)), armour.optimise(case(threats))):
-        assert is_said(by_result(draw, result)(result, Sheet()).title)
+        picture = by_result(draw, result)(result, Sheet())
+        assert is_said(f"{picture.title} {picture.note}")
         assert is_said(json.dumps(result.to_dict()))
 
 

@@ -126,4 +126,4 @@ def test_pairs_have_their_best_design_or_the_nearest_and_the_verdict_on_it():
         ("AD85 on 6061-T6", "expected to stop"),
         ("AD99.5 on 6061-T6", "FAILS"),
     ]
-    assert notes[0] == "* by the model: no test of such an armour"
+    assert notes[0] == "* by the model, without tests"

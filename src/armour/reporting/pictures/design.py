@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from armour.design.catalogue import Catalogue, catalogue_of
 from armour.design.check import CheckResult, deciding
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
-from armour.design.optimise import Design, DesignResult
+from armour.design.optimise import Design, DesignResult, armour_in_words
 from armour.design.requirements import EVEN
-from armour.reporting.by_result import draw, headline
+from armour.reporting.by_result import draw, headline, in_a_line
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent
 from armour.reporting.views import design as view
@@ -52,7 +52,7 @@ def draw_design(result: DesignResult, sheet: drawing.Sheet) -> drawing.Picture:
     panels += [_pairs_panel(result)] if len(view.best_of_pairs(result)) > 1 else []
     panels += [_front_panel(result)] if result.pareto else []
     notes = " ".join(filter(None, (*(panel.note for panel in panels), *_caveats(result))))
-    picture = sheet.panels(headline(result), *(panel.height for panel in panels), note=notes)
+    picture = sheet.panels(_title(result), *(panel.height for panel in panels), note=notes)
     for axes, panel in zip(picture.axes, panels, strict=True):
         panel.draw(axes)
         axes.set_title(panel.title)
@@ -100,7 +100,7 @@ def _draw_lines(result: DesignResult, layer: str, maps: "Sequence[_Map]", sheet:
     if any(pair_map.is_far.any() for pair_map in maps):
         notes.append("Dashed lines are far from the tests.")
     note = " ".join([*notes, *_caveats(result)])
-    picture = sheet.panels(headline(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
+    picture = sheet.panels(_title(result), *[drawing.PANEL] * len(result.threats), note=note, sharex=True)
     for place, (axes, threat) in enumerate(zip(picture.axes, maps[0].catalogue.threats, strict=True)):
         for index, pair_map in enumerate(maps):
             pair_map.draw_line(axes, layer, place, drawing.COLOURS[index % len(drawing.COLOURS)])
@@ -229,6 +229,18 @@ class _Map:
         return line if self.catalogue.sampled else ""
 
 
+def _title(result: DesignResult) -> str:
+    """Return the design shown with the verdict on it; a note has the rest of the answer."""
+    threat, verdict = deciding(result.shown.check), result.shown.check.verdict
+    density = f"{result.shown.check.areal_density_kg_m2:.1f} kg/m²"
+    title = (
+        f"{'Nearest: ' * bool(result.reason)}{armour_in_words(result.shown)}, {density}: {view.verdict_word(verdict)}"
+    )
+    if threat.probability_of_stopping is not None and verdict != "fails":
+        return f"{title} with {view.chance_text(threat)}"
+    return f"{title} against {threat.threat}" if len(result.threats) > 1 else title
+
+
 def _best_words(result: DesignResult) -> str:
     """Return what the design shown is, as the answer calls it, such as "lightest by the model"."""
     return view.found_in_a_line(result).partition(":")[0]
@@ -304,9 +316,10 @@ def _design_text(design: Design, *criteria: str) -> str:
 
 
 def _caveats(result: CheckResult | DesignResult) -> list[str]:
-    """Return sentences on what is far from the tests, and the caveats of the model."""
+    """Return as sentences the answer of a search, what is far from the tests, and the caveats of the model."""
     far = deciding(result if isinstance(result, CheckResult) else result.shown.check).far_from_tests
-    texts = [f"far from the tests: {', '.join(far)}"] * bool(far) + said_of(result.notes)
+    texts = [in_a_line(result)] * isinstance(result, DesignResult)
+    texts += [f"far from the tests: {', '.join(far)}"] * bool(far) + said_of(result.notes)
     return [f"{text[:1].upper()}{text[1:]}." for text in texts]
 
 

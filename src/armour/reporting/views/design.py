@@ -31,7 +31,7 @@ FAR: Source = (
 LIMIT, STOPS, VERDICT = Column("limit, m/s", prose=True), Column("stops", prose=True), Column("verdict", prose=True)
 # Designs within 1 % of the best that a line names.
 MOST_NAMED = 3
-BY_MODEL = "* by the model: no test of such an armour"
+BY_MODEL = "* by the model, without tests"
 METALS = "do not compare metals of different strength: the model exaggerates it"
 # Words for the places of layers without ballistic effect, and for those without a name.
 PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
@@ -152,7 +152,7 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         rows |= {
             "limit": "" if several else limit_words(threat),
             "tests": tests_words(threat),
-            "changed": changes(threat) if armour else "",
+            "changed": f"against {threat.threat}: " * several + changes(threat) if armour and changes(threat) else "",
             "needs": needs(threat),
         }
     rows["within 1 %"] = also
