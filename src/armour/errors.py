@@ -184,13 +184,12 @@ def duration(seconds: float) -> str:
 
 
 def in_one_line(notes: Sequence[Note], where: str) -> list[str]:
-    """Return the first warning that the answer does not contain, and how many more there are, in at most one line.
+    """Return the first warning that the answer does not contain, in at most one line.
 
-    `where` says, in words, where all warnings are.
+    `where` says, in words, where all warnings are, if there are more.
     """
     told = [note for note in notes if not note.said]
-    more = f"; {len(told) - 1} more {where}" * (len(told) > 1)
-    return [f"{told[0]}{more}"] if told else []
+    return [f"{told[0]}{f'; more {where}' * (len(notes) > 1)}"] if told else []
 
 
 def suggestion(word: str, names: Sequence[str]) -> str:

@@ -178,7 +178,7 @@ def test_nothing_that_fails_is_saved_and_what_is_not_known_says_so(cli, folder: 
 @pytest.mark.parametrize("command", ["check", "optimise", "report"])
 def test_the_model_alone_has_no_probability(cli, command: str):
     assert cli.fails(2, command, "panel", "--by-model", "--probability", "0.9") == [
-        "command line: --by-model: must be given without a required probability, which the model does not have"
+        "command line: --by-model: must be given without a required probability, as the model has none; leave it out"
     ]
 
 

@@ -144,3 +144,10 @@ def test_wrong_columns(tmp_path: Path, header: str, found: str):
     with pytest.raises(InputError) as error:
         check(scenario(), cases=table, keep=["offer"] * ("keep" in found))
     assert found in str(error.value)
+
+
+def test_the_plate_of_an_offer_for_a_hull_is_the_one_that_exists():
+    with pytest.raises(InputError, match=r"must be the plate of \[armour\], as design\.existing says that it exists"):
+        checked(OFFER, existing="backing")
+    own = {"metal": "6061-T6", "metal thickness (mm)": scenario().armour.backing_thickness_mm}
+    assert len(checked({**OFFER, **own}, existing="backing")) == 1

@@ -169,7 +169,10 @@ def read_scenario(
     if not by_model:
         return required
     if any(required.required_probabilities()):
-        raise wrong_option("--by-model", "must be given without a required probability, which the model does not have")
+        raise wrong_option(
+            "--by-model",
+            "must be given without a required probability, as the model has none; leave it out",
+        )
     return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
 

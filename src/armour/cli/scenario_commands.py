@@ -389,7 +389,7 @@ def _propose_after(
     elif verdict == "expected to stop" and save is None:
         _propose("optimise", scenario, typed, f"--probability {USUAL_PROBABILITY:g} --save {BEST}")
     elif verdict in ("not known", "stopped by the model") and scenario.excludes_error():
-        runner.propose("without uncertainty.model.included = false, tests may tell")
+        runner.propose("without --by-model or uncertainty.model.included = false, tests may tell")
     elif verdict in ("not known", "stopped by the model"):
         runner.propose(f"a V50 of {name} decides: armour calibrate" + f" (--save {name})" * (save is None))
     else:

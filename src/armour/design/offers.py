@@ -65,6 +65,8 @@ def read_offers(
             case = scenario.replaced(changes)
         except InputError as error:
             case, wrong = scenario, [*wrong, *((problem.key, problem.message) for problem in error.problems)]
+        if not scenario.counts_backing and _plate(case) != _plate(scenario):
+            wrong.append((BACKING, "must be the plate of [armour], as design.existing says that it exists"))
         for key, message in wrong:
             source.wrong(f"{row.place}: {names.get(key, key)}", message)
         kept = {name: row.texts.get(key, "") for name, key in keys.items()}
@@ -72,6 +74,11 @@ def read_offers(
         offers.append(Offer(next(iter(kept.values()), row.place), kept, case, cost))
     source.refuse()
     return Offers(offers, found.read)
+
+
+def _plate(scenario: Scenario) -> tuple[str, float]:
+    """Return the metal of the back plate and its thickness, mm."""
+    return scenario.armour.backing, scenario.armour.backing_thickness_mm
 
 
 def _wrong_columns(names: Mapping[str, str]) -> Iterator[tuple[str, str]]:

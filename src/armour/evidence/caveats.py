@@ -46,10 +46,7 @@ def is_limit_too_low(armour: Parameters) -> Any:
 
 def too_thin(ratio: str, thickness_mm: str) -> str:
     """Return the caveat that no ceramic below a thickness, also given over the penetrator's diameter, was tested."""
-    return (
-        f"no ceramic thinner than {ratio} penetrator diameters, here {thickness_mm} mm, was tested: "
-        "do not rely on limits with less"
-    )
+    return f"no tile thinner than {thickness_mm} mm, {ratio} penetrator diameters, was tested"
 
 
 def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:

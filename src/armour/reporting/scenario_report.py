@@ -89,7 +89,7 @@ def scenario_report(
         ),
         ReportSection("Values and their sources", tables=tuple(_values(answer)), folded=True),
         ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True),
-        origin_section(command, _which_armour(scenario, design), scenario),
+        origin_section(command, scenario=scenario),
     )
     return Report(
         title=answer.subject(threats=scenario.threat),
@@ -97,7 +97,7 @@ def scenario_report(
         passed={"passes": True, "expected to stop": None, "stopped by the model": None}.get(checked.verdict, False),
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,
-        facts=tuple(_facts(checked, threat, answer)),
+        facts=(*_facts(checked, threat, answer), *filter(None, [_which_armour(scenario, design)])),
         warnings=tuple(map(_warning, notes)),
         cross_section=answer,
     )
@@ -178,9 +178,8 @@ def _values(answer: Scenario) -> Iterator[Table]:
 
 def _which_armour(scenario: Scenario, design: DesignResult | None) -> str:
     """Return which armour is reported if the scenario asks for a design, and how to report on the other; else ""."""
-    if design is not None:
-        armour = scenario.armour_words()
-        return f"This report is about the design found, not the scenario's own armour, {armour}; use --as-is for that."
-    if asks_for_design(scenario):
+    if design is not None and (own := scenario.armour_words()) != design.shown.scenario.armour_words():
+        return f"This report is about the design found, not the scenario's own armour, {own}; use --as-is for that."
+    if design is None and asks_for_design(scenario):
         return "This report is about the scenario's own armour; without --as-is it is about the design found."
     return ""

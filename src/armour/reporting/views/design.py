@@ -11,6 +11,7 @@ from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, d
 from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
 from armour.design.requirements import GOOD, VERDICTS, Verdict
 from armour.errors import counted
+from armour.evidence.tests import TOO_THIN
 from armour.reporting import words as phrases
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -41,6 +42,12 @@ UNNAMED = "added for adhesive or cover"
 def verdict_word(verdict: Verdict) -> str:
     """Return a verdict as people read it; FAILS is in capitals so that nobody overlooks it."""
     return "FAILS" if verdict == "fails" else verdict
+
+
+def verdict_cell(result: CheckResult) -> str:
+    """Return the verdict on an armour, with what makes it not known where that is its ceramic alone."""
+    short = any(row.quantity == "flow_stress_sources" for threat in result.threats for row in threat.requirements)
+    return verdict_word(result.verdict) + ", one source" * (short and result.verdict == "not known")
 
 
 def at_speed(threat: CheckedThreat) -> str:
@@ -157,9 +164,11 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         }
     rows["within 1 %"] = also
     shown.append(Table.of_facts(rows))
+    thin = [note.text for note in result.notes if note.about[:1] == (TOO_THIN,)]
     if _is_modelled(threat):
         shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
-    return [*shown, *phrases.said_of(result.notes)]
+        thin = [] if any(" mm tile (tested " in each for each in threat.far_from_tests) else thin
+    return [*shown, *thin, *phrases.said_of(result.notes)]
 
 
 def _is_modelled(threat: CheckedThreat) -> bool:
@@ -197,7 +206,8 @@ def changes(threat: CheckedThreat) -> str:
         if known:
             words.append(f"{each.change} {phrases.chance(each.probability_of_stopping)}")
         elif each.ballistic_limit_m_s is not None and each.velocity_m_s == threat.velocity_m_s:
-            words.append(f"{each.change} {each.ballistic_limit_m_s:.0f} m/s")
+            perforated = " (perforated)" * (each.ballistic_limit_m_s < threat.velocity_m_s)
+            words.append(f"{each.change} {each.ballistic_limit_m_s:.0f} m/s{perforated}")
     return ", ".join(words)
 
 
@@ -206,9 +216,12 @@ def needs(threat: CheckedThreat) -> str:
     needed = threat.flow_stress
     if threat.verdict != "not known" or needed is None or needed.needed_GPa is None:
         return ""
-    sources = " to ".join(f"{each:g}" for each in needed.sources_GPa)
-    found = f"sources give {sources}" if sources else "no source"
-    return f"a flow stress of {needed.ceramic} of {phrases.rounded_up(needed.needed_GPa)} GPa; {found}"
+    sources, likely = " to ".join(f"{each:g}" for each in needed.sources_GPa), needed.needed_for_probability_GPa
+    least = f"{phrases.rounded_up(needed.needed_GPa)} GPa by the model"
+    if threat.required_probability is not None:
+        more = "no value" if likely is None else f"{phrases.rounded_up(likely)} GPa"
+        least += f", {more} for {percent(needed.probability)}"
+    return f"a flow stress of {needed.ceramic} of {least}; {f'sources give {sources}' if sources else 'no source'}"
 
 
 def layer_words(layers: Sequence[InertLayer]) -> list[str]:
@@ -242,7 +255,7 @@ def next_step(result: CheckResult) -> tuple[str, str]:
     if not _is_modelled(threat):
         return "", "see docs/what-armour-cannot-do.md"
     if threat.verdict not in ("fails", "passes") and result.question["scenario"].excludes_error():
-        return "", "without uncertainty.model.included = false, tests may tell"
+        return "", "without --by-model or uncertainty.model.included = false, tests may tell"
     error = threat.model_error
     if result.verdict in ("not known", "stopped by the model"):
         return "", "own tests decide: fire a V50 of this armour, then armour calibrate"
@@ -298,7 +311,7 @@ def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
         (Column("cost", spec=".0f"), lambda item: item[0].cost_per_m2),
         (Column("limit", prose=True), lambda item: _marked_limit(item[1])),
         (STOPS, lambda item: chance_text(item[1])),
-        (VERDICT, lambda item: verdict_word(item[0].verdict)),
+        (VERDICT, lambda item: verdict_cell(item[0])),
     )
     return [table, *_by_model(item[1] for item in items)]
 
@@ -448,10 +461,10 @@ def design_in_a_line(result: DesignResult) -> str:
 
 def found_in_a_line(result: DesignResult) -> str:
     """Return the best design or, without one, the nearest, with its areal density, thickness and cost."""
-    least, verdict = OBJECTIVES[result.minimised].least, result.shown.check.verdict
+    least, threats = OBJECTIVES[result.minimised].least, result.shown.check.threats
     if result.reason == "none passes":
         least = "nearest"
-    elif verdict in ("not known", "stopped by the model"):
+    elif any(threat.expected_limit_m_s is None for threat in threats):
         least += " by the model"
     return f"{least}: {armour_in_words(result.shown)}, {amounts(result.shown.check)}"
 
@@ -519,7 +532,7 @@ def pair_table(result: DesignResult) -> list[Table | str]:
             (Column("cost", spec=".0f"), attrgetter(COST.key)),
             (LIMIT, lambda design: _marked_limit(checked(design))),
             (STOPS, lambda design: chance_text(checked(design))),
-            *[(VERDICT, lambda design: verdict_word(design.check.verdict))] * (not alike),
+            *[(VERDICT, lambda design: verdict_cell(design.check))] * (not alike),
         ),
         rest="--json",
     )
