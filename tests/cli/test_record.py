@@ -46,7 +46,7 @@ def rows_of(page: str, heading: str) -> list[list[str]]:
 
 
 def test_one_page_has_what_a_range_files(cli, folder: Path, table: Path):
-    options = ("--where", "lot=A", "--requirement-m-s", "700", "--report", "r.md")
+    options = ("--where", "lot=A", "--requirement-m-s", "700", "--ignore", "Remarks", "--report", "r.md")
     assert cli("v50", "range.csv", SCENARIOS / "wilkins.toml", *options).exit_code in (0, 3)
     page = (folder / "r.md").read_text()
     assert page.startswith("# Record of a firing: Range North, Order 4711\n")
