@@ -62,9 +62,10 @@ def test_the_json_of_other_commands(cli):
 
 
 def test_warnings_in_json_are_those_printed(cli):
+    """With -v; without, only the first that the answer does not contain."""
     result = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "--json")
     data = json.loads(result.stdout)
-    assert len(result.stderr.splitlines()) == 1
+    assert result.stderr == ""
     assert len(data["warnings"]) == 4
     whole = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "-v").stderr
     assert whole.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]

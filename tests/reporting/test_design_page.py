@@ -491,5 +491,5 @@ def test_a_page_names_what_the_model_cannot_do_for_the_design_it_names(tmp_path:
     assert found[0].startswith("not known: ")
     assert "twice" not in found[0]
     assert "2.0 times the hydrodynamic depth; the limit is too low." in found[0]
-    assert ["No ceramic thinner than 0.89 penetrator diameters" in words for words in found] == [False, True, False]
+    assert ["No tile thinner than 9.7 mm" in words for words in found] == [False, True, False]
     assert ["Do not compare metals of different strength" in words for words in found] == [False, True, True]

@@ -288,7 +288,7 @@ class Threat(Impact):
     name: Line = ""
     """Name of the threat; by default the value of threat, or projectile and velocity."""
     margin_m_s: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
-    """Required excess over the velocity of the threat: of the expected limit or, without tests, of that by the model."""
+    """Required excess over the velocity of the threat, of the expected limit or else of the limit by the model."""
     probability_of_perforation: Annotated[float, Field(gt=0.0, lt=0.5)] | None = None
     """Greatest allowed probability of perforation, given the uncertain inputs; overrides the one that follows from
     [design]."""

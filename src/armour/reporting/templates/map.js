@@ -282,7 +282,8 @@ const bounded = (pair, k) => [["areal density", pair.areal[k], state.most, "kg/m
 // What optimise and check say of a design.
 function headline(pair, k) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
-  const found = judged(pair, k), least = found <= PERFORATED ? "nearest" : found <= STOPPED ? "lightest by the model" : "lightest";
+  const found = judged(pair, k), untold = threats.some((_, t) => !tells(pair, k, t));
+  const least = found <= PERFORATED ? "nearest" : untold ? "lightest by the model" : "lightest";
   const amounts = bounded(pair, k).map(([, value, most, unit]) => `${beside(value, most, 1, true).replace(unit === "mm" ? /\.0$/ : "", "")}${isFinite(most) ? ` of at most ${trimmed(most)}` : ""} ${unit}`);
   return `${least}: ${armour(pair, k)}, ${amounts.join(", ")}`;
 }
