@@ -90,7 +90,7 @@ def reasons(threat: CheckedThreat) -> str:
             return f"a shot of {name}, with {likely} ({required})"
         return f"stops a shot of {name} with {likely} ({required})"
     limit = "no limit found" if threat.ballistic_limit_m_s is None else f"limit {limit_text(threat)} m/s"
-    if "by the model" in threat.verdict:
+    if threat.verdict in ("stopped by the model", "perforated by the model"):
         return f"{name}, {limit}"
     is_stopped = threat.verdict != "fails" and (threat.margin_m_s is None or threat.margin_m_s >= 0.0)
     by_model = f"{name} {'is stopped' if is_stopped else 'perforates'} by the model, {limit}"
@@ -156,10 +156,11 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         )
     rows = {"armour": armour and f"{armour}, {amounts(result)}"}
     if _is_modelled(threat):
+        changed = changes(threat) if armour else ""
         rows |= {
             "limit": "" if several else limit_words(threat),
             "tests": tests_words(threat),
-            "changed": f"against {threat.threat}: " * several + changes(threat) if armour and changes(threat) else "",
+            "changed": f"against {threat.threat}: " * several + changed if changed else "",
             "needs": needs(threat),
         }
     rows["within 1 %"] = also
@@ -318,14 +319,18 @@ def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
 
 def _marked_limit(threat: CheckedThreat) -> str:
     """Return the limit of an armour, marked if it is by the model; "none" where the model does not hold."""
-    if not _is_modelled(threat):
-        return "none"
-    return limit_text(threat) + "*" * (threat.expected_limit_m_s is None and threat.ballistic_limit_m_s is not None)
+    return limit_text(threat) + "*" * _is_limit_by_model(threat) if _is_modelled(threat) else "none"
+
+
+def _is_limit_by_model(threat: CheckedThreat) -> bool:
+    """Return whether the limit of an armour is one by the model alone."""
+    known = threat.ballistic_limit_m_s is not None
+    return _is_modelled(threat) and known and threat.expected_limit_m_s is None
 
 
 def _by_model(threats: Iterator[CheckedThreat]) -> list[str]:
     """Return what the mark of a limit by the model means, if any is marked."""
-    return [BY_MODEL] * any(_marked_limit(threat).endswith("*") for threat in threats)
+    return [BY_MODEL] * any(map(_is_limit_by_model, threats))
 
 
 def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
