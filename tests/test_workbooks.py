@@ -1,10 +1,12 @@
 """Workbooks are read as spreadsheet programs mean them, and those that attack are refused in seconds."""
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterable
 from datetime import datetime, time
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZIP_LZMA, ZipFile
@@ -175,3 +177,61 @@ def test_no_workbook_takes_minutes_or_gigabytes(tmp_path: Path):
         assert message in told[path][0], path
         assert told[path][1] < 30.0, path
     assert megabytes < 300.0
+
+
+ROWS = {
+    "velocity (m/s)": [735.3, 761.4, None, 750.0],
+    "result": ["PP", "CP", "CP", "PP"],
+    "counts": [True, True, False, True],
+}
+
+
+def parquet(path: Path, **options: Any) -> Path:
+    """A Parquet file of three shots, and one that does not count, with other columns and texts as given."""
+    pa = pytest.importorskip("pyarrow")
+    __import__("pyarrow.parquet")
+    pa.parquet.write_table(pa.table(ROWS | options), path, compression="zstd")
+    return path
+
+
+def test_shots_in_a_parquet_file(tmp_path: Path):
+    path = parquet(tmp_path / "shots.parquet")
+    shots = armour.read_shots(path)
+    assert shots.velocities_m_s == (735.3, 761.4, 750.0)
+    assert shots.complete == (False, True, False)
+    assert shots.read is not None
+    assert shots.read.left_out == ("row 3",)
+    assert shots.read.sha256 == sha256(path.read_bytes()).hexdigest()
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"each": [[1], [2], [3], [4]]}, "must have a single value in each cell"),
+        ({f"column {place}": [1] * 4 for place in range(1000)}, "must have at most 1000 columns"),
+        ({name: [name * 1_000_000] * 4 for name in "ab"}, "must have at most 5,000,000 characters"),
+        ({"by": ["A", "A", "A", "B"]}, "by: is not read and divides the shots"),
+    ],
+)
+def test_parquet_files_that_are_refused(tmp_path: Path, columns: dict[str, Any], message: str):
+    with pytest.raises(armour.InputError, match=re.escape(message)):
+        armour.read_shots(parquet(tmp_path / "shots.parquet", **columns))
+
+
+def test_parquet_files_of_many_rows_and_bytes(tmp_path: Path):
+    rows = {name: [value] * 100_001 for name, value in {"velocity_m_s": 700.0, "result": "PP"}.items()}
+    with pytest.raises(armour.InputError, match="must have at most 100000 rows"):
+        armour.read_shots(parquet(tmp_path / "rows.parquet", **rows | {name: [0] * 100_001 for name in ROWS}))
+    with pytest.raises(armour.InputError, match="must be at most 100,000,000 bytes long, unpacked"):
+        armour.read_shots(parquet(tmp_path / "bytes.parquet", note=[str(place) * 30_000_000 for place in range(4)]))
+
+
+def test_no_parquet_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    whole = parquet(tmp_path / "whole.parquet").read_bytes()
+    for content in (b"", b"velocity_m_s,result\n", whole[:-20], whole[:4] + bytes(200) + whole[204:]):
+        (tmp_path / "t.parquet").write_bytes(content)
+        with pytest.raises(armour.InputError, match=r"t\.parquet: must be a Parquet file"):
+            armour.read_shots(tmp_path / "t.parquet")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(armour.InputError, match=r'needs pyarrow; pip install "pyarrow>=17", or save it as CSV'):
+        armour.read_shots(tmp_path / "whole.parquet")

@@ -20,7 +20,7 @@ from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, 
 from armour.files import WORKBOOKS, csv_value, located, named, reason, refuse_pipe, shell_line, shipped_tests
 from armour.foreign import Rows, records
 from armour.units import key_hint
-from armour.workbooks import MAX_UNPACKED, Workbook, comments_of, rows_of, workbook_of
+from armour.workbooks import Workbook, comments_of, content_of, parquet_columns, rows_of, workbook_of
 
 # Greatest number of rows, more than anyone has tests or shots; a fit to so many takes about a minute.
 MAX_TABLE_ROWS = 100_000
@@ -234,6 +234,9 @@ def open_table(
         return _with_header(source, _sheet_lines(path, source, sheet, known), known)
     if sheet is not None:
         raise mistake(path, "", "must be a workbook (.xlsx) for a sheet to be chosen")
+    if path.suffix.lower() == ".parquet":
+        content = content_of(path)
+        return _of_rows(parquet_columns(path, content, MAX_TABLE_ROWS), source.file, sha256(content))
     return _csv_source(path, source, known, content)
 
 
@@ -351,11 +354,7 @@ def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
 def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[[str], bool]) -> Iterator[Line]:
     """Yield the rows of a sheet of a workbook that are not blank, by default of the only visible one with a table."""
     try:
-        refuse_pipe(path)
-        with open(path, "rb") as file:
-            content = file.read(MAX_UNPACKED + 1)
-        if len(content) > MAX_UNPACKED:
-            raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long")
+        content = content_of(path)
         source.digest.update(content)
         workbook = workbook_of(path, content)
         if sheet is not None and sheet not in workbook.sheets:
@@ -369,8 +368,6 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[
             yield f"row {number}", cells
     except InputError:
         raise
-    except OSError as error:
-        raise mistake(path, "", f"cannot be read: {reason(error)}") from None
     except Exception:  # of any kind, depending on what is broken
         raise mistake(path, "", "must be a workbook of a spreadsheet program (.xlsx)") from None
 
@@ -393,17 +390,17 @@ def shipped_rows(name: str) -> list[dict[str, str]]:
     return [dict(zip(source.header, cells, strict=True)) for _, cells in source.lines]
 
 
-def _of_rows(table: Any) -> Source:
-    """Return a source for rows given in Python: mappings, columns by name, or a data frame."""
+def _of_rows(table: Any, file: str = "rows", digest: Any = None) -> Source:
+    """Return a source for rows given in Python: mappings, columns by name, or a data frame; or for those of a file."""
     try:
         rows = records(table)
     except (TypeError, ValueError):
         message = "must be a path, rows as mappings, columns of equal length, or a data frame with different names"
-        raise mistake("rows", "", f"{message}, found a {type(table).__name__}") from None
+        raise mistake(file, "", f"{message}, found a {type(table).__name__}") from None
     header = [*dict.fromkeys(name for row in rows for name in row)]
     lines = [(f"row {place}", [row.get(name, "") for name in header]) for place, row in enumerate(rows, 1)]
-    digest = sha256(json.dumps([header, *(cells for _, cells in lines)]).encode())
-    return Source("rows", "header" if header else "", header, iter(lines), digest=digest)
+    digest = digest or sha256(json.dumps([header, *(cells for _, cells in lines)]).encode())
+    return Source(file, "header" if header else "", header, iter(lines), digest=digest)
 
 
 def read_rows(

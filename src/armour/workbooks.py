@@ -1,4 +1,4 @@
-"""Sheets of workbooks (.xlsx), read as streams and within bounds, so that no workbook takes minutes or gigabytes."""
+"""Sheets of workbooks (.xlsx), read as streams, and Parquet files, so that none takes minutes or gigabytes."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -8,11 +8,12 @@ from functools import lru_cache, partial
 from io import BytesIO
 from pathlib import Path
 from posixpath import dirname, join, normpath, split
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.parsers.expat import ParserCreate
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
-from armour.errors import mistake
+from armour.errors import Problem, mistake, refuse
+from armour.files import reason, refuse_pipe
 
 # Greatest length of a workbook, bytes, also of all parts that are read, unpacked; and number of parts.
 MAX_UNPACKED, MAX_PARTS = 100_000_000, 10_000
@@ -50,6 +51,19 @@ class Workbook(NamedTuple):
     texts: list[str]  # shared by cells
     styles: list[tuple[bool, bool]]  # of cells: whether they show dates, and whether texts are struck through
     first_day: datetime
+
+
+def content_of(path: Path) -> bytes:
+    """Return the content of a workbook or a Parquet file."""
+    try:
+        refuse_pipe(path)
+        with open(path, "rb") as file:
+            content = file.read(MAX_UNPACKED + 1)
+    except OSError as error:
+        raise mistake(path, "", f"cannot be read: {reason(error)}") from None
+    if len(content) > MAX_UNPACKED:
+        raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long")
+    return content
 
 
 def workbook_of(path: Path, content: bytes) -> Workbook:
@@ -251,3 +265,36 @@ def _text(book: Workbook, kind: str, style: int, value: str) -> str:
             moment = book.first_day + timedelta(days=number)
             return str(moment if number >= 1 else moment.time())  # of a time of day
     return str(number)
+
+
+def parquet_columns(path: Path, content: bytes, most_rows: int) -> dict[str, Any]:
+    """Return the columns, by name, of a Parquet file of at most ``most_rows`` rows, given its content.
+
+    Its size, unpacked, is bounded as the file states it: one that lies may take up to 2 GB for a moment.
+    """
+    try:
+        from pyarrow import ArrowException, BufferReader, compute, parquet, types
+    except ImportError:
+        raise mistake(path, "", 'needs pyarrow; pip install "pyarrow>=17", or save it as CSV') from None
+    try:
+        file = parquet.ParquetFile(BufferReader(content))
+        about, schema = file.metadata, file.schema_arrow
+        size = sum(about.row_group(group).total_byte_size for group in range(about.num_row_groups))
+        wrong = {
+            f"must have at most {most_rows} rows": about.num_rows > most_rows,
+            f"must have at most {MAX_COLUMNS} columns": about.num_columns > MAX_COLUMNS,
+            f"must be at most {MAX_UNPACKED:,} bytes long, unpacked": size > MAX_UNPACKED,
+            "must have different names of columns": len({*schema.names}) < len(schema.names),
+            "must have a single value in each cell": any(map(types.is_nested, schema.types)),
+        }
+        refuse(Problem(str(path), "", message) for message, is_so in wrong.items() if is_so)
+        # A text that fills many rows is kept once.
+        texts = [each.name for each in schema if not types.is_primitive(each.type)]
+        table = parquet.read_table(BufferReader(content), read_dictionary=texts)
+        chunks = [chunk for text in texts for chunk in table.column(text).chunks]
+        lengths = (compute.take(compute.binary_length(chunk.dictionary), chunk.indices) for chunk in chunks)
+        if sum(compute.sum(length).as_py() or 0 for length in lengths) > MAX_CHARACTERS:
+            raise mistake(path, "", f"must have at most {MAX_CHARACTERS:,} characters")
+    except (ArrowException, OSError) as error:
+        raise mistake(path, "", f"must be a Parquet file: {error}") from None
+    return {each: table.column(each) for each in schema.names}

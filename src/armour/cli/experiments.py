@@ -254,7 +254,7 @@ def calibrate(
 
 def is_table(path: Path) -> bool:
     """Return whether a file is a table, by its name; commands accept a table before or after a scenario."""
-    return path.suffix.lower() in (".csv", ".tsv", ".txt", *WORKBOOKS) or path.as_posix() in shipped_tests()
+    return path.suffix.lower() in (".csv", ".tsv", ".txt", ".parquet", *WORKBOOKS) or path.as_posix() in shipped_tests()
 
 
 def _scenario_of(path: Path | None, changes: list[str] | None, command: str) -> "armour.Scenario | None":

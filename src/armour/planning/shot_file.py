@@ -104,10 +104,10 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
 
 
 def _csv_source(path: Path, content: bytes) -> Source:
-    """Open a file of shots that is to be changed; refuse a workbook."""
+    """Open a file of shots that is to be changed; refuse any other than CSV."""
     source = open_table(path, is_of_shots, content=content)
     if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
-        raise mistake(path, "", "must be a CSV file for a shot to be added or taken back; write it into the workbook")
+        raise mistake(path, "", "must be a CSV file for a shot to be added or taken back")
     return source
 
 
