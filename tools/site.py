@@ -4,7 +4,6 @@ A line ``<!-- site: NAME ARGUMENT ... -->`` of a page stands for the Markdown th
 returns.
 """
 
-import io
 import json
 import re
 import tomllib
@@ -50,8 +49,6 @@ FORWARD = """<!doctype html>
 <script>location.replace("{place}" + location.hash)</script>
 <p>This page moved to <a href="{place}">{place}</a>.</p>
 """
-# Pictures that the pages filled so far show, by their place in the site.
-PICTURES: dict[str, str] = {}
 
 
 def names(package: str) -> list[str]:
@@ -240,20 +237,9 @@ def _entry(key: str, source: Mapping[str, str]) -> str:
     return f"### {key} {{#{key}}}\n\n{words}.\n\n{source['use']} *{source['checked']}.*"
 
 
-def scene(command: str, name: str) -> str:
-    """Return the picture and the tables of what a command computes for a shipped scenario."""
-    options = {"history": True} if command == "simulate" else {}
-    result = getattr(armour, command)(armour.load_scenario(name), **options)
-    drawn = io.StringIO()
-    armour.plot(result).savefig(drawn, format="svg")
-    picture = f"images/gallery/{command}-{name.replace('/', '-')}.svg"
-    PICTURES[picture] = drawn.getvalue()
-    return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
-
-
 NAMED = (
     *(api, column_names, commands, count_words, described, entries, inputs, keys),
-    *(library, references, result_words, scenario, scene, threats),
+    *(library, references, result_words, scenario, threats),
 )
 PARTS = {part.__name__: part for part in NAMED}
 
@@ -274,7 +260,7 @@ def on_files(files: Any, config: Any) -> Any:
     return files
 
 
-def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Fill a page, rank it for the search, name links by titles, and make links of the keys of the bibliography."""
     path = page.file.src_uri
     page.meta["search"] = {"boost": WEIGHTS.get(path, WEIGHTS.get(path.rpartition("/")[0], 1.0))}
@@ -282,16 +268,11 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     titled = partial(_titled, (DOCS / path).parent)
     text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", titled, _inside(markdown, f"../{up}"))
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in sources() else key[0], filled(text))
-    for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
-        files.append(File.generated(config, picture, content=PICTURES[picture]))
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in sources())])
 
 
-def on_page_content(html: str, page: Any = None, **_: Any) -> str:
+def on_page_content(html: str, **_: Any) -> str:
     """Return the page with its formulas as MathML and its drawings inline, in the colours of the page."""
-    if page and page.file.src_uri == "gallery.md":
-        html = re.sub(r"<h3.+?(?=<h[23])|<h3.+$", r'<section class="card">\g<0></section>', html, flags=re.DOTALL)
-        html = re.sub(r"(<section.+?</section>)(?=<h2|$)", r'<div class="columns">\g<0></div>', html, flags=re.DOTALL)
     html = re.sub(r'<(span|div) class="arithmatex">\\[\[(](.+?)\\[\])]</\1>', _formula, html, flags=re.DOTALL)
     html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
     # A reference to the bibliography keeps its brackets.

@@ -9,7 +9,6 @@ from typer.testing import CliRunner
 
 import armour
 from armour.cli.app import app
-from armour.files import shipped_files
 from armour.scenario.library import named_threats
 
 pytestmark = pytest.mark.slow
@@ -100,11 +99,6 @@ def test_the_page_of_the_api_has_a_line_for_every_public_name(site):
 def test_no_description_of_the_api_ends_with_a_dash(site):
     html = '<code>Design</code>\n \u2013\n <div class="doc-md-description">\n </div>'
     assert "\u2013" not in site.on_page_content(html)
-
-
-def test_the_gallery_names_every_shipped_scenario():
-    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
-    assert [name for name in shipped_files("scenarios", ".toml") if name not in text and name != "template"] == []
 
 
 def test_a_formula_is_rendered_when_the_site_is_built(site):
