@@ -11,7 +11,6 @@ from scipy.special import log_expit, log_ndtr
 from scipy.stats import chi2
 
 from armour.errors import NoAnswerError
-from armour.statistics import curves
 from armour.statistics.curves import CDFS, Z95, FittedCurve, Link, ShotLikelihood, fit_curve, penalised_band
 from tests.helpers.known import known
 
@@ -192,37 +191,6 @@ def test_shots_that_touch():
     fit = fitted(CASES["touching"], "probit")
     assert (fit.v50_m_s, fit.scale_m_s) == (710.0, 0.0)
     assert fit.log_likelihood == pytest.approx(2 * log(0.5))
-
-
-def many_shots(case: str) -> Shots:
-    dice = np.random.default_rng(1)
-    velocities = dice.normal(720.0, 40.0, 300)
-    limits = dice.normal(720.0, 0.0 if case == "apart" else 15.0, 300)
-    velocities[0] = 7200.0 if case == "far" else 700.0
-    complete = velocities > limits
-    if case == "one complete":
-        complete = velocities == velocities.max()
-    return tuple(velocities[~complete].tolist()), tuple(velocities[complete].tolist())
-
-
-@pytest.mark.parametrize("penalised", [False, True])
-@pytest.mark.parametrize(
-    ("case", "link"),
-    [("mixed", "probit"), ("mixed", "logit"), ("apart", "logit"), ("far", "probit"), ("one complete", "logit")],
-)
-def test_many_shots_are_condensed_without_a_change(
-    case: str, penalised: bool, link: Link, monkeypatch: pytest.MonkeyPatch
-):
-    """To a hundredth of a metre per second, or 0.05 % of an end far beyond the shots."""
-    shots = many_shots(case)
-    condensed = fitted(shots, link, penalised=penalised)
-    monkeypatch.setattr(curves, "MANY", 1000)
-    whole = fitted(shots, link, penalised=penalised)
-    for name in ("v50_interval_m_s", "scale_interval_m_s", "v05_interval_m_s"):
-        ends, exact = (getattr(fit, name) or () for fit in (condensed, whole))
-        assert [end is None for end in ends] == [end is None for end in exact]
-        assert [end for end in ends if end] == pytest.approx([end for end in exact if end], abs=0.01, rel=5e-4)
-    assert condensed.v50_m_s == pytest.approx(whole.v50_m_s, abs=0.01, rel=5e-4)
 
 
 def test_how_far_a_far_shot_is_does_not_matter():
