@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError
-from armour.planning import shot_file
-from armour.planning.shot_file import locked, with_shot, without_last
+from armour.planning.shot_file import with_shot, without_last
 from armour.statistics.v50 import read_shots
 
 
@@ -137,16 +136,3 @@ def test_other_columns_stay_and_misspelt_ones_are_refused(tmp_path: Path):
         InputError, match=r"s.csv: must be a table of shots .*, found tests; armour calibrate fits inputs"
     ):
         read_shots(path)
-
-
-def test_a_locked_table_is_refused_after_a_while(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(shot_file, "WAIT_S", 0.1)
-    (tmp_path / "link.csv").symlink_to(tmp_path / "s.csv")
-    with (
-        locked(tmp_path / "s.csv"),
-        pytest.raises(InputError, match=r"link.csv: cannot be written: other commands"),
-        locked(tmp_path / "link.csv"),
-    ):
-        pass
-    with locked(tmp_path / "link.csv"):
-        pass

@@ -1,6 +1,6 @@
 """Commands on tests of armours: estimate from them, and plan the next shot."""
 
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -401,25 +401,23 @@ def plan_shots(
         true_scatter_m_s=true_scatter_m_s,
         seed=seed,
     )
-    # The stack keeps a table to which a shot is added locked until it is written.
-    with ExitStack() as stack:
-        with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
-            plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
-            files: Files = {}
-            planned: Any
-            if undo and table is not None:
-                planned, notes, files = firings.plan_without_last(plan, stack, table, chosen(where), ignore or ())
-            elif result is None or table is None:
-                planned = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each)
-                notes = planned.notes
-            else:
-                from armour.scenario.scenario import ANY_VELOCITY
+    with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
+        plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
+        files: Files = {}
+        planned: Any
+        if undo and table is not None:
+            planned, notes, files = firings.plan_without_last(plan, table, chosen(where), ignore or ())
+        elif result is None or table is None:
+            planned = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each)
+            notes = planned.notes
+        else:
+            from armour.scenario.scenario import ANY_VELOCITY
 
-                target = "" if loaded is None else loaded.subject(ANY_VELOCITY)
-                change = (stack, table, result, velocity_m_s, chosen(where), ignore or (), target)
-                planned, notes, files = firings.plan_after(plan, *change)
-        file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
-        answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
+            target = "" if loaded is None else loaded.subject(ANY_VELOCITY)
+            change = (table, result, velocity_m_s, chosen(where), ignore or (), target)
+            planned, notes, files = firings.plan_after(plan, *change)
+    file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
+    answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if each is None and planned.next_velocity_m_s is not None and not is_fired and not undo:
         shot = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
         runner.propose(f"add {'' if table else 'shots.csv '}{shot}")
