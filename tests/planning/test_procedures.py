@@ -237,13 +237,6 @@ def test_the_end_by_the_interval():
     assert stopped_bayesian(SHOTS, BAYESIAN._replace(half_width_m_s=half - 0.1)) == ""
 
 
-@pytest.mark.parametrize(("required", "answer"), [(600.0, "is met"), (900.0, "is not met"), (745.0, "")])
-def test_the_end_by_a_requirement(required: float, answer: str):
-    settings = BAYESIAN._replace(half_width_m_s=None, requirement_m_s=required, by_prior=True)
-    assert answer in stopped_bayesian(SHOTS, settings)
-    assert bool(stopped_bayesian(SHOTS, settings)) == bool(answer)
-
-
 def test_many_firings_at_once_choose_as_one_does():
     known = posterior_of(PRIOR, (), (), (201, 31))
     firings = Firings(known, BAYESIAN, 2, 401)
@@ -262,18 +255,13 @@ def test_many_firings_at_once_choose_as_one_does():
 
 
 def test_fewer_shots_are_expected_for_a_wider_interval_and_as_shots_are_fired(monkeypatch: pytest.MonkeyPatch):
-    wide, _ = expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0))
-    narrow, sooner = expected_shots(SHOTS, BAYESIAN)
-    later, _ = expected_shots(Shots((*SHOTS.velocities_m_s,) * 2, (*SHOTS.complete,) * 2), BAYESIAN)
-    assert narrow is not None
-    assert 0 < known(wide) < narrow
-    assert 0 < known(later) < narrow
-    # The velocities do not depend on the confidence.
-    assert sooner is not None
-    assert sooner == expected_shots(SHOTS, BAYESIAN._replace(confidence=0.9))[0]
-    assert sooner < narrow
+    narrow = known(expected_shots(SHOTS, BAYESIAN))
+    wide = known(expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=30.0)))
+    later = known(expected_shots(Shots((*SHOTS.velocities_m_s,) * 2, (*SHOTS.complete,) * 2), BAYESIAN))
+    sooner = known(expected_shots(SHOTS, BAYESIAN._replace(confidence=0.9)))
+    assert 0 < max(wide, later, sooner) < narrow
     monkeypatch.setattr("armour.planning.procedures.MOST_SHOTS", 5)
-    assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) == (None, None)
+    assert expected_shots(SHOTS, BAYESIAN._replace(half_width_m_s=0.5)) is None
 
 
 def test_firings_of_the_campaign_end_with_intervals_that_hold():

@@ -331,11 +331,6 @@ def each(make: Callable[..., Callable[[Maker], str]], some: dict[str, Any]) -> d
     return {name: make(*words) for name, words in some.items()}
 
 
-def read(name: str, path: Path) -> Callable[[Maker], str]:
-    """Return a maker of mutated tables."""
-    return lambda maker: maker.table(name, path.read_bytes())
-
-
 # Values of the parameters, by the name of an option or an argument, perhaps with its command.
 VALUES: dict[str, Callable[[Maker], str]] = {
     "scenario": Maker.scenario,
@@ -351,7 +346,6 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "report --output": to("r.html", "r.md"),
     "--over": Maker.values,
     "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
-    "--earlier": read("e.csv", SHOTS),
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
     "--keep": of("offer", *TEXTS),
     "--where": of("panel=A", "panel=1", "remark=x", "x", *TEXTS),

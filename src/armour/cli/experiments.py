@@ -302,11 +302,6 @@ def plan_shots(
     velocity_max_m_s: Any = number_option(
         "Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."
     ),
-    prior: bool = flag(
-        "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
-        "no stated risks.",
-        "--prior",
-    ),
     scatter_percent: Any = number_option(
         "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
         "prior, and the initial guess of Neyer's procedure; by default 2.0."
@@ -323,12 +318,6 @@ def plan_shots(
     seed: Any = number_option("Seed of the simulation, at least 0; by default 0."),
     lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
-    earlier: list[Path] | None = option(
-        "CSV file of an earlier firing at similar armour, or of one at each of several panels; the scatter is pooled "
-        "with the expected one; repeatable.",
-        metavar="SHOTS",
-        autocompletion=completion.tables,
-    ),
     result: str | None = option(
         "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
         "it is appended to SHOTS.",
@@ -362,7 +351,7 @@ def plan_shots(
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, "plan_shots")
-    check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
+    check_outputs(inputs=[scenario, table], scenarios=[loaded], plot=plot, force=force)
     is_fired, is_divided = result is not None, each is not None or sheet is not None
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
@@ -391,10 +380,8 @@ def plan_shots(
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
         velocity_max_m_s=velocity_max_m_s,
-        prior=prior,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        earlier=firings.earlier_firings(earlier or (), ignore or ()),
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
         simulate=simulate,
         true_v50_m_s=true_v50_m_s,

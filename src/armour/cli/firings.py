@@ -14,7 +14,7 @@ from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
 from armour.planning.shot_file import content_of, with_shot, without_last
 from armour.scenario.keys import describe
-from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
+from armour.statistics.v50 import Shots, is_of_shots, lots_of, shots_of
 
 # Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
@@ -51,18 +51,6 @@ def each_result(
                 raise  # a wrong option
             unanswered[f"{name} {value}"] = "; ".join(problem.message for problem in error.problems)
     return EachResult(results, unanswered)
-
-
-def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots]:
-    """Read earlier firings: each table is one, or several if it has shots at several targets."""
-    try:
-        return [
-            say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
-            for table in tables
-            for chosen in [{name: value} for name, value in firings_of(table, ignore)] or [{}]
-        ]
-    except InputError as error:
-        raise InputError(error.problems) from None  # --where is of another table
 
 
 def next_plan(

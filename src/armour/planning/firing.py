@@ -1,9 +1,8 @@
 """Plan the next shot of a V50 firing, or simulate the whole firing."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
-from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -17,7 +16,7 @@ from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelEr
 from armour.planning import procedures
 from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
 from armour.planning.shot_file import added
-from armour.scenario.checked import checked, instance
+from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
@@ -27,12 +26,9 @@ from armour.statistics.posterior import (
     Posterior,
     expected,
     learned,
-    no_prior,
-    pooled_scatter,
     posterior_of,
 )
 from armour.statistics.v50 import Fraction, MeanV50, Shots, Velocity
-from armour.units import feet_note
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
@@ -45,8 +41,6 @@ PLAN_POINTS = 201
 # with a probability of 95 %; WITHIN is the normal quantile for this probability, and NORMAL are degrees of
 # freedom at which Student's t distribution is practically normal.
 WIDE, WITHIN, NORMAL = 0.3, 1.96, 1e6
-# Shots outside the interval of V50 with FAR_PROBABILITY, widened by FAR_PART of the limit, give a warning.
-FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 # A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
 ABSURD_FACTOR = 3.0
 # Greatest number of simulated shots.
@@ -85,8 +79,6 @@ class ShotPlan(Result):
     expected_shots : float or None
         Median number of further shots in simulated continuations by the Bayesian procedure; None if it exceeds 100,
         and for the other procedures.
-    expected_shots_90 : float or None
-        The same number for a confidence of 90 %; None also if the confidence asked for is at most 90 %.
     confidence : float
         Confidence level of the intervals and of the requirement.
     half_width_m_s : float or None
@@ -102,7 +94,7 @@ class ShotPlan(Result):
         requirement, and while it is undecided.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
-        is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
+        is rejected: 1 minus the confidence.  None without a requirement.
     evidence_met, evidence_not_met : float or None
         Evidence for and against the requirement.  ``evidence_met`` is the likelihood of the shots averaged over curves
         that meet the requirement, divided by the greatest likelihood of a curve that does not; ``evidence_not_met`` is
@@ -111,10 +103,8 @@ class ShotPlan(Result):
         Outcomes of simulated firings at armours around the requirement, with a V50 ``v50_m_s`` and a scatter
         ``scatter_m_s``, m/s: the fractions of firings that end with the requirement ``met`` and ``not_met``, and the
         median number of ``shots``, None above 100.  Empty once a shot has been fired.
-    earlier : int
-        Number of earlier firings whose scatters are pooled.
     scatter_percent, scatter_factor : float
-        Expected scatter, per cent of V50, and the factor by which it may differ, given the earlier firings.
+        Expected scatter, per cent of V50, and the factor by which it may differ.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate
@@ -140,9 +130,8 @@ class ShotPlan(Result):
     contradicts_prior : bool
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     notes : tuple of Note
-        Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
-        did not end, a greatest velocity below V50 or the required one, and ways in which the scenario differs from what
-        the model was compared with.
+        Shots far from the others or contradicting the prior, a simulation that did not end, a greatest velocity below
+        V50 or the required one, and ways in which the scenario differs from what the model was compared with.
     """
 
     procedure: str
@@ -176,8 +165,6 @@ class ShotPlan(Result):
     evidence_met: float | None = None
     evidence_not_met: float | None = None
     operating_characteristic: tuple[OperatingPoint, ...] = ()
-    earlier: int = 0
-    expected_shots_90: float | None = None
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
     notes: tuple[Note, ...] = ()
@@ -194,10 +181,8 @@ def plan_shots(
     requirement_m_s: Velocity | None = None,
     requirement_fraction: Fraction = 0.5,
     velocity_max_m_s: Velocity = v50.MAX_VELOCITY_M_S,
-    prior: bool = False,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
-    earlier: Sequence[Shots] = (),
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
     simulate: bool = False,
     true_v50_m_s: Velocity | None = None,
@@ -230,18 +215,12 @@ def plan_shots(
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
     velocity_max_m_s : float
         Greatest velocity that can be fired, m/s: no faster shot is planned.
-    prior : bool
-        Whether to include the model's prediction in the decision on the requirement, which then uses the posterior and
-        has no stated risks.
     scatter_percent : float, default 2.0
         Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its prior,
         and the initial guess of Neyer's procedure.
     scatter_factor : float, default 2.0
         Factor by which the scatter may differ from the expected one, 1.01 to 10: one standard deviation of its
         logarithm.
-    earlier : sequence of Shots
-        Earlier firings at such armours, each with partial and complete penetrations.  Their scatters are pooled with
-        the expected one.
     limits_m_s : tuple of float, optional
         Limits of V50, m/s, that Langlie's and Neyer's procedures start from, by default the interval of the model's
         limit with a probability of 99 %.  For the other procedures, the range in which V50 is expected if the model
@@ -265,8 +244,7 @@ def plan_shots(
     Raises
     ------
     InputError
-        If a setting is out of its range or has no effect, if there is no scenario, shot or limit to expect V50 from, or
-        if the decision is to include the model's prediction, whose error is not known.
+        If a setting is out of its range or has no effect, or there is no scenario, shot or limit to expect V50 from.
     NoLimitError
         If the scenario has no ballistic limit in the range of the search.
 
@@ -282,17 +260,13 @@ def plan_shots(
     if requirement_m_s is not None:
         v50.refuse_remarks(shots)
     refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
-    for firing in earlier:
-        v50.check_shots(instance(firing, Shots))
-    for firing in (shots, *earlier):
-        v50.check_not_swapped(firing)
+    v50.check_not_swapped(shots)
     required, without = requirement_m_s is not None, "must not be given without "
     no_requirement = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
     low, high = limits_m_s or (0.0, inf)
     conflicts = [
         ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
-        ("prior", prior and not required, f"{without}a requirement"),
         ("requirement_m_s", required and procedure in LIMITED, no_requirement),
         ("half_width_m_s", half_width_m_s and required and procedure == "bayesian", other_end),
         ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
@@ -303,18 +277,11 @@ def plan_shots(
         ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
     ]
     refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
-    if earlier:
-        firings = [(firing.velocities_m_s, firing.complete) for firing in earlier]
-        scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = None if limit is None else limit.model_error
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
-    if prior and model_error is None:
-        if scenario is None:
-            raise mistake("plan_shots", "prior", "must be given with a scenario")
-        raise no_prior(scenario)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
         message = f"must not be given with {procedure} where the model error is known"
         raise mistake("plan_shots", "limits_m_s", message)
@@ -329,7 +296,6 @@ def plan_shots(
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        by_prior=prior,
     )
     rule, fired = procedures.PROCEDURES[procedure], shots
     if simulate:
@@ -345,13 +311,9 @@ def plan_shots(
     requirement = _requirement(fired, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
     if end_reason and required and not is_bayesian:
         end_reason += f"; the requirement is {requirement['decision']}"
-    further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
     doubts = (
-        *(fired.read.warnings if fired.read else ()),
-        *_far_shots(shots, expectation, limit),
-        *v50.swapped_note(shots),
+        *v50.doubts(shots, limit),
         *contradictions,
-        *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
         *([NOT_ENDED] if simulate and aim else ()),
         *(_too_slow(settings, estimate) if aim else ()),
     )
@@ -360,10 +322,9 @@ def plan_shots(
         fired=fired,
         simulated=len(fired.complete) - len(shots.complete),
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (is_bayesian and not required),
+        reason="" if aim is None else aim.why,
         stopped=end_reason,
-        expected_shots=further,
-        expected_shots_90=further_90,
+        expected_shots=procedures.expected_shots(fired, settings) if is_bayesian and aim else None,
         confidence=confidence,
         half_width_m_s=half_width_m_s,
         requirement_m_s=requirement_m_s,
@@ -382,7 +343,6 @@ def plan_shots(
         curve=_curve(prior_of_v50, posterior_of_v50, fired),
         contradicts_prior=bool(contradictions),
         **requirement,
-        earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         notes=(
@@ -461,34 +421,20 @@ def _requirement(
 
     `ended` tells whether the firing has ended, so that nothing more will decide.
     """
-    if settings.requirement_m_s is None:
+    if (demand := settings.demand()) is None or settings.requirement_m_s is None:
         return {"probability_met": None}
-    current = procedures.posterior(fired, settings)
-    [decision] = procedures.decisions(current.weights[None], current.grid, settings)
-    evidence: dict[str, float] = {}
-    if demand := settings.demand():
-        [(met, not_met)] = demand.ratios(current.weights[None]).tolist()
-        risk = 1.0 - settings.confidence
-        evidence = {"evidence_met": met, "evidence_not_met": not_met, "consumers_risk": risk, "producers_risk": risk}
+    weights, risk = procedures.posterior(fired, settings).weights[None], 1.0 - settings.confidence
+    [decision] = demand.decisions(weights, settings.confidence)
+    [(met, not_met)] = demand.ratios(weights).tolist()
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
         "decision": ("not decided" if ended else "", "met", "not met")[decision],
         "operating_characteristic": procedures.operating_characteristic(settings) if operates else (),
-        **evidence,
+        "evidence_met": met,
+        "evidence_not_met": not_met,
+        "consumers_risk": risk,
+        "producers_risk": risk,
     }
-
-
-def _why_outside(velocity_m_s: float, fired: Shots) -> str:
-    """Return why a velocity lies outside the range of the shots; "" if it does not, or without shots of both kinds."""
-    partial, complete = fired.of(complete=False), fired.of(complete=True)
-    velocities = sorted(fired.velocities_m_s)
-    if not partial or not complete or velocities[0] <= velocity_m_s <= velocities[-1]:
-        return ""
-    side, result = ("faster", "partial") if velocity_m_s > velocities[-1] else ("slower", "complete")
-    why = "so few shots leave it open whether V50 lies beyond them"
-    if partial[-1] > complete[0]:
-        why = "the results overlap, so that the scatter may be large, and near V50 either result is likely"
-    return f"; {side} than every shot so far, because {why}: here a {result} penetration would move V50 far"
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
@@ -499,20 +445,6 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     probability = expected(posterior.grid.response(velocities), posterior.weights)
     columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
-
-
-def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> Iterator[str]:
-    """Yield a warning if shots seem to be in ft/s, or are far from any V50 that the prior expects."""
-    low, high = limits_of(prior, FAR_PROBABILITY)
-    margin = FAR_PART * prior.limit_m_s
-    note = feet_note(median(shots.velocities_m_s), limit.ballistic_limit_m_s) if limit and shots.velocities_m_s else ""
-    if note:
-        yield note
-    elif far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
-        yield (
-            f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
-            f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"
-        )
 
 
 def _too_slow(settings: ShotSettings, estimate: FiringEstimate) -> Iterator[str]:

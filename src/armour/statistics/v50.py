@@ -510,21 +510,6 @@ def lots_of(
     return [(name, value) for value in dict.fromkeys(values.values())]
 
 
-def firings_of(path: Table, ignore: Sequence[str] = ()) -> list[tuple[str, str]]:
-    """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
-
-    They are all values of the first column of which at least two are not serial numbers.
-    """
-    source = csv_files.open_table(path, is_of_shots)
-    table = csv_files.read_rows(source, SHOTS, ignore=ignore, closed=False)
-    source.refuse()
-    results = [perforates(row.texts.get("result", "")) for row in table.rows]
-    for name, values in table.groups.items():
-        if len(csv_files.targets_of(source, table, name, results)) > 1:
-            return [(name, value) for value in dict.fromkeys(values)]
-    return []
-
-
 @checked
 def v50(
     shots: Shots,
@@ -638,8 +623,7 @@ def v50(
         model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
         model_interval_m_s=None if model is None else model.interval_m_s,
         notes=(
-            *map(Note, shots.read.warnings if shots.read else ()),
-            *map(Note, _far_from_others(shots)),
+            *map(Note, doubts(shots, model)),
             *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
             *(() if model is None else (*map(Note, (*_far_away(shots, model), *contradictions)), *model.notes)),
         ),
@@ -721,9 +705,17 @@ def decided(
     return decision, accepting, 1.0 - accepting
 
 
-def _far_from_others(shots: Shots) -> Iterator[str]:
-    """Yield a warning for each velocity that is probably in another unit or lacks a decimal point."""
+def doubts(shots: Shots, model: LimitResult | None) -> Iterator[str]:
+    """Yield remarks on shots that are not read, and a warning of velocities in ft/s or without a decimal point.
+
+    `model` has the limit by the model, if there is one.
+    """
+    yield from shots.read.warnings if shots.read else ()
+    if not shots.complete:
+        return
     middle = median(shots.velocities_m_s)
+    if model is not None and (note := feet_note(middle, model.ballistic_limit_m_s)):
+        yield note
     for velocity in shots.velocities_m_s:
         if not middle / FAR_FACTOR < velocity < middle * FAR_FACTOR:
             yield (
@@ -739,12 +731,10 @@ def of_another(shots: Shots, scenario: Scenario) -> Iterator[str]:
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
-    """Yield a warning if the shots seem to be in ft/s, or all lie on one side of the interval of the model's limit."""
+    """Yield a warning if all shots, in m/s, lie on one side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    if note := feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
-        yield note
-    elif slowest > high or fastest < low:
+    if (slowest > high or fastest < low) and not feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
         yield (
             f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
             f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
@@ -771,16 +761,6 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         message += "; armour plan shots gives the next velocity, or decides a requirement" * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
-
-
-def swapped_note(shots: Shots) -> Iterator[str]:
-    """Yield a warning if complete penetrations were no faster on average than partial ones; none for few shots."""
-    partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if comb(len(shots.complete), len(complete)) >= SWAPPED and not curves.has_curve(partial, complete):
-        yield (
-            f"the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the partial ones "
-            f"({np.mean(partial):.1f} m/s); are the results swapped?"
-        )
 
 
 def check_not_swapped(shots: Shots) -> None:

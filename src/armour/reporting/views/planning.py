@@ -44,7 +44,7 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
         shots += "" if plan.half_width_m_s is None else f" until V50 is known to ± {plan.half_width_m_s:g} m/s"
     shots += "" if plan.consumers_risk is None else f"; both risks at most {percent(plan.consumers_risk)}"
     v50 = f"{found.v50_m_s:.0f} m/s expected ({between(plan.confidence, found.v50_interval_m_s, '.0f')})"
-    v50 += f"; scatter {found.scatter_m_s:.0f} m/s" + " assumed" * (not count and not plan.earlier)
+    v50 += f"; scatter {found.scatter_m_s:.0f} m/s" + " assumed" * (not count)
     facts = {"shots": shots, "V50": v50}
     if plan.model_error is None:
         facts["from"] = f"V50 {plan.expected_from}"
@@ -67,8 +67,6 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
 def _details(plan: ShotPlan) -> list[Table | str]:
     """Return why the next velocity is chosen, what the plan starts from, and the shots."""
     shown: list[Table | str] = [f"reason: {plan.reason}"] if plan.reason else []
-    if plan.expected_shots_90 is not None:
-        shown.append(f"further shots expected with --confidence 0.9: {plan.expected_shots_90:.0f}")
     if plan.consumers_risk is not None:
         shown.append(DECISION)
         shots = plan.fired.velocities_m_s
@@ -85,17 +83,10 @@ def _details(plan: ShotPlan) -> list[Table | str]:
     if plan.fired.complete:
         shown.append(prior_table(plan.prior, plan.posterior, plan.confidence))
     shown += [] if plan.model_error is None else [model_error_words(plan.model_error)]
-    shown.append(scatter_note(plan) if plan.earlier else SCATTER_ASSUMED)
+    shown.append(SCATTER_ASSUMED)
     if plan.fired.complete and not plan.contradicts_prior:
         shown.append(share_note(plan.prior_share))
     return [*shown, _shot_table(plan)] if plan.fired.complete else shown
-
-
-def scatter_note(plan: ShotPlan) -> str:
-    """Return a note on the prior of the scatter, which combines earlier firings with the expected scatter."""
-    firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
-    scatter = f"{plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}"
-    return f"the prior for the scatter, {scatter}, combines {firings} and the scatter that was expected"
 
 
 def _ratio(ratio: float | None, risk: float) -> str:
