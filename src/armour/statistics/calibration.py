@@ -1,10 +1,8 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from datetime import datetime
 from statistics import median
 from typing import Any, Literal
 
@@ -13,7 +11,7 @@ from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, ballistic_limits
+from armour.analysis.variants import Bools, Floats, Ints, ballistic_limits
 from armour.errors import Note, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
@@ -27,6 +25,7 @@ from armour.statistics.likelihood import (
     MIN_P_VALUE,
     Coefficient,
     InputFit,
+    Likelihood,
     fit_inputs,
     intervals,
     likelihood_of,
@@ -83,8 +82,6 @@ ASSUMED = (
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
 # Number of random permutations of the deviations in a permutation test.
 PERMUTATIONS = 4999
-# Formats of dates, of which a column has one: the day goes before the month where both are possible.
-DATE_FORMATS = ("%Y-%m-%d", "%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d/%m/%y", "%m/%d/%y")
 # A computed value may miss a bound by this much, half of the last digit shown, and still meet it.
 AT_BOUND = 0.005
 
@@ -258,11 +255,12 @@ def calibrate(
         raise mistake("calibrate", "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
         raise mistake("calibrate", "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
-    best, result = fit_by_law(tests, fit, law, on_progress)
-    result = replace(result, coefficients=intervals(best))
-    tests_by_law = replace(tests, groups=best.likelihood.tests.groups)
+    groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
+    by_law = replace(tests, groups=groups, scenario=with_law(scenario, law))
+    names = [*dict.fromkeys([*fit, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
+    result = _fit_of(likelihood_of(by_law, names, on_progress), law)
     question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
-    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
+    return _with_evidence(result, by_law, fit).of(subject_of(tests), **question)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
@@ -307,23 +305,9 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     return replace(result, notes=(*map(Note, before), *result.notes, *map(Note, notes)))
 
 
-def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
-    """Return the tests with a law of the flow stress, their own if it is None, and the names of all inputs to fit."""
-    groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])
-    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), [*names]
-
-
-def fit_by_law(
-    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress = ignore_progress
-) -> tuple[InputFit, CalibrationResult]:
-    """Fit inputs with one law, and return the fit and its result.
-
-    The result lacks its coefficients, as their intervals are slow to compute.  A scatter is assumed if there are too
-    few tests to estimate it.
-    """
-    tests, inputs = under_law(tests, inputs, law)
-    likelihood = likelihood_of(tests, inputs, on_progress)
+def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
+    """Return the result of a fit, without its evidence; a scatter is assumed for too few tests to estimate it."""
+    tests = likelihood.tests
     too_few = not tests.weighted and likelihood.usable < likelihood.needed
     if too_few:
         tests = with_scatter(tests, LEAST_REST)
@@ -345,11 +329,11 @@ def fit_by_law(
     correlation = fit.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
     measured_values = [r for r in residuals if not r.bound]
-    return fit, CalibrationResult(
+    return CalibrationResult(
         tests=tests.file,
-        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
+        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in likelihood.names else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=(),
+        coefficients=intervals(fit),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in measured_values]),
@@ -362,10 +346,7 @@ def fit_by_law(
         p_value=fit.p_value,
         widened_by=fit.widened_by,
         notes=(
-            *map(Note, _bad_fit(fit)),
-            *([Note(ASSUMED)] if too_few else []),
-            *[Note(ONE_SIDED)] * (len({m.side for m in tests.measurements}) == 1 and bool(tests.measurements[0].side)),
-            *map(Note, _outside_limits(tests)),
+            *map(Note, _doubts(fit, assumed=too_few)),
             *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )
@@ -421,58 +402,34 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
 
 
 def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
-    """Yield a warning for each column of origin, such as the laboratory, by which the deviations of limits differ.
-
-    A drift over dates goes before a difference between them.
-    """
+    """Yield a warning for each column of origin, such as the laboratory, by which the deviations of limits differ."""
     places = [i for i, m in enumerate(tests.measurements) if m.quantity == LIMIT and not m.side]
     deviations = np.array([np.log(residuals[i].measured / residuals[i].computed) for i in places])
     deviations = deviations - deviations.mean() if places else deviations
     for column in ORIGINS:
         names = np.array([str(tests.cells[tests.measurements[i].test].get(column, "")) for i in places])
-        remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
-        if column not in SERIES_COLUMNS:
-            remedy = "find out what differed, and make it a column"
-            if len(days := _days(names)) and np.ptp(days):
-                since = days - days.mean()
-                if (chance := _chance(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
-                    drift = 100.0 * np.expm1(deviations @ since / (since @ since) * np.ptp(days))
-                    yield (
-                        f"the deviations drift with the {column}: {drift:+.1f} % from {names[days.argmin()]} to "
-                        f"{names[days.argmax()]}; {_by_chance(chance)}; {remedy}"
-                    )
-                    continue
+        remedy = "find out what differed, and make it a column"
+        if column in SERIES_COLUMNS:
+            remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
         has_name = names == np.unique(names)[:, None]
         counts = has_name.sum(axis=1)
         if len(counts) > 1 and (chance := _chance(deviations, has_name, counts)) < FALSE_ALARMS:
             means = 100.0 * (np.exp(has_name @ deviations / counts) - 1.0)
             by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
-            yield f"the deviations differ by {column}: {joined(by_name)}; {_by_chance(chance)}; {remedy}"
+            yield (
+                f"the deviations differ by {column}: {joined(by_name)}; chance alone does this in "
+                f"{100.0 * chance:.2g} % of tables; {remedy}"
+            )
 
 
-def _chance(deviations: Floats, contrasts: Any, counts: Any) -> float:
-    """Return how often random orders of deviations, (n,), are as far from none as the given one: a permutation test.
+def _chance(deviations: Floats, has_name: Bools, counts: Ints) -> float:
+    """Return how often random orders of deviations, (n,), differ as much by name as the given one: a permutation test.
 
-    The measure is the sum of the squares of the `contrasts`, (k, n), over `counts`, (k,).
+    The measure is the sum of the squares of the sums over each of k names, (k, n), over their `counts`, (k,).
     """
     shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (PERMUTATIONS, 1)), axis=1)
-    squares = ((np.vstack([deviations, shuffled]) @ contrasts.T) ** 2 / counts).sum(axis=1)
+    squares = ((np.vstack([deviations, shuffled]) @ has_name.T) ** 2 / counts).sum(axis=1)
     return float((squares > squares[0] * (1.0 - 1e-9)).mean())
-
-
-def _by_chance(chance: float) -> str:
-    """Return in words how often chance alone does the same."""
-    return f"chance alone does this in {100.0 * chance:.2g} % of tables"
-
-
-def _days(cells: Iterable[str]) -> Floats:
-    """Return the days of dates, (n,), by the first format that all have; none if they have none."""
-    for form in DATE_FORMATS:
-        with suppress(ValueError):
-            return np.array(
-                [datetime.strptime(cell.replace("T", " ").partition(" ")[0], form).toordinal() for cell in cells], float
-            )
-    return np.empty(0)
 
 
 def _line(tests: Tests, place: int) -> str:
@@ -492,23 +449,24 @@ def _in_feet(tests: Tests) -> Iterator[str]:
         yield note
 
 
-def _outside_limits(tests: Tests) -> Iterator[str]:
-    """Return warnings of tests that are unlike those the model was compared with, each with the number of tests."""
+def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
+    """Yield warnings of a bad fit, of a scatter that is assumed, and of tests unlike those of the model."""
+    tests = fit.likelihood.tests
+    if fit.p_value is not None and fit.p_value < MIN_P_VALUE:
+        yield (
+            "the deviations are larger than the uncertainties given explain: chi-squared "
+            f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
+            f"the intervals are widened by {fit.widened_by:.2f}, and the model or the uncertainties are wrong"
+        )
+    if assumed:
+        yield ASSUMED
+    if {m.side for m in tests.measurements} in ({1}, {-1}):
+        yield ONE_SIDED
     counts: Counter[str] = Counter()
     for group in tests.groups:
         counts.update(dict(group.variants().outside_limits(velocities=False)))
-    return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
-
-
-def _bad_fit(fit: InputFit) -> tuple[str, ...]:
-    """Return a warning if the deviations are larger than the uncertainties explain."""
-    if fit.p_value is None or fit.p_value >= MIN_P_VALUE:
-        return ()
-    return (
-        "the deviations are larger than the uncertainties given explain: chi-squared "
-        f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
-        f"the intervals are widened by {fit.widened_by:.2f}, and the model or the uncertainties are wrong",
-    )
+    for limit, count in counts.items():
+        yield f"{limit}; this concerns {count} of {len(tests.names)} tests"
 
 
 def _left_out(fit: InputFit) -> Floats:
