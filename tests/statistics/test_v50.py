@@ -176,12 +176,9 @@ def test_a_band_at_any_velocities_in_any_order():
     assert inside == [pytest.approx(ascending[720.0]["probability_interval"], abs=0.05)]
 
 
-@pytest.mark.parametrize(
-    ("velocities", "found"),
-    [([float("nan")], "nan"), ([700.0, float("inf")], "inf"), ([], "none"), ([-1.0], "-1"), (7, "7")],
-)
-def test_wrong_velocities_of_a_band(velocities: Any, found: str):
-    with pytest.raises(InputError, match=f"band: velocities_m_s: must be a sequence of velocities .*, found {found}"):
+@pytest.mark.parametrize("velocities", [[float("nan")], [700.0, float("inf")], [], [-1.0], "700"])
+def test_wrong_velocities_of_a_band(velocities: Any):
+    with pytest.raises(InputError, match="band: velocities_m_s: must be "):
         answer(APART).band(velocities)
 
 

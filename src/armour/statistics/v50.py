@@ -9,7 +9,7 @@ from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PlainValidator
+from pydantic import Field
 
 from armour import csv_files
 from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
@@ -19,7 +19,7 @@ from armour.columns import GROUPS, YES_MEANS, column_of, columns_of, perforates
 from armour.csv_files import Source, TableRead
 from armour.errors import NoAnswerError, Note, Problem, mistake, refuse
 from armour.foreign import items
-from armour.scenario.checked import Names, Table, checked, is_number, several
+from armour.scenario.checked import FloatOrArray, Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
@@ -66,15 +66,6 @@ SWAPPED = 20
 def _is_result(value: object) -> bool:
     """Return whether a value is true or false, or 1 or 0."""
     return isinstance(value, int | float) and value in (True, False)
-
-
-def _velocities(argument: object) -> tuple[float, ...]:
-    """Return velocities that a curve is asked for; raise a ValueError if they are wrong."""
-    must = f"must be a sequence of velocities of 0 to {MAX_VELOCITY_M_S:g} m/s"
-    velocities = several(argument, lambda value: is_number(value) and 0.0 <= value <= MAX_VELOCITY_M_S, must)
-    if not velocities:
-        raise ValueError(f"{must}, found none")
-    return tuple(map(float, velocities))
 
 
 @dataclass(frozen=True, init=False)
@@ -327,9 +318,7 @@ class FiringResult(TableResult):
         return difference_of(first, other, confidence or self.confidence)
 
     @checked
-    def band(
-        self, velocities_m_s: Annotated[Iterable[float], PlainValidator(_velocities)] | None = None
-    ) -> list[dict[str, Any]]:
+    def band(self, velocities_m_s: FloatOrArray | None = None) -> list[dict[str, Any]]:
         """Return the recommended curve with its pointwise confidence band, as rows.
 
         Parameters
@@ -354,8 +343,11 @@ class FiringResult(TableResult):
             slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
             margin = 0.5 * (fastest - slowest)
             ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
-            velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
-        velocities = [*velocities_m_s]
+            velocities_m_s = np.linspace(*ends, BAND_POINTS)
+        velocities = np.ravel(velocities_m_s).tolist()
+        if not velocities or not all(0.0 <= velocity <= MAX_VELOCITY_M_S for velocity in velocities):
+            message = f"must be velocities of 0 to {MAX_VELOCITY_M_S:g} m/s, found {describe(velocities)}"
+            raise mistake("band", "velocities_m_s", message)
         partial, complete = shots.of(complete=False), shots.of(complete=True)
         low, high = curves.penalised_band(partial, complete, curve.curve, velocities, self.confidence)
         return [
