@@ -16,7 +16,6 @@ from armour.planning.procedures import (
     next_bayesian,
     stopped_bayesian,
 )
-from armour.planning.shot_file import added
 from armour.statistics.posterior import FiringPrior
 from armour.statistics.v50 import Shots
 from tools.experiments.firings import requirement
@@ -24,6 +23,11 @@ from tools.experiments.firings import requirement
 pytestmark = pytest.mark.slow
 
 REQUIRED, SCATTER = 700.0, 14.0
+
+
+def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
+    """The shots with one more."""
+    return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete))
 
 
 def prior_of(v50_m_s: float) -> FiringPrior:

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-import armour
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.errors import InputError
 from armour.planning import procedures
@@ -39,35 +38,11 @@ def test_a_plan_is_a_pure_function_of_the_shots_so_far(procedure: Any):
     assert first.next_velocity_m_s is not None
     assert 650.0 < first.next_velocity_m_s < 850.0
     assert first.reason
-    assert (first.fired, first.simulated, first.stopped) == (SHOTS, 0, "")
+    assert (first.fired, first.stopped) == (SHOTS, "")
     found = json.loads(json.dumps(first.to_dict(), allow_nan=False))
     assert found["posterior"]["v50_m_s"] > found["prior"]["v50_m_s"]
     for said in (ARMOUR, f"{first.next_velocity_m_s:.1f} m/s"):
         assert said in repr(first)
-
-
-def test_a_simulated_firing_is_reproducible_and_continues_the_shots():
-    def simulated(seed: int) -> armour.ShotPlan:
-        settings: dict[str, Any] = {"true_v50_m_s": 765.0, "true_scatter_m_s": 10.0, "half_width_m_s": 60.0}
-        return plan_shots(scenario(), SHOTS, simulate=True, seed=seed, **settings)
-
-    found = simulated(3)
-    assert found == simulated(3)
-    assert found.fired.velocities_m_s[:4] == SHOTS.velocities_m_s
-    assert found.simulated == len(found.fired.complete) - 4
-    assert found.stopped
-    assert found.next_velocity_m_s is None
-    for said in (ARMOUR, "ended", found.stopped):
-        assert said in repr(found)
-
-
-def test_a_simulated_sequence_is_that_of_shots_planned_one_by_one():
-    whole = plan_shots(scenario(), simulate=True, seed=1, half_width_m_s=60.0)
-    assert whole.true_v50_m_s is not None
-    velocities, complete = whole.fired.velocities_m_s, whole.fired.complete
-    for count, velocity in enumerate(velocities):
-        plan = plan_shots(scenario(), Shots(velocities[:count], complete[:count]), half_width_m_s=60.0)
-        assert plan.next_velocity_m_s == velocity
 
 
 SWAPPED = Shots((740.0, 750.0, 760.0, 700.0, 710.0, 720.0), (False, False, False, True, True, True), "fired.csv")
@@ -179,9 +154,6 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_is_wide():
         ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: must rise, found 900 and 600"),
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
         ({"requirement_m_s": 700.0, "half_width_m_s": 9.0}, "half_width_m_s: must not be given with a requirement"),
-        ({"true_v50_m_s": 700.0}, "true_v50_m_s: must not be given without simulating"),
-        ({"true_v50_m_s": 700.0, "simulate": True}, "true_scatter_m_s: must be given too: give both"),
-        ({"seed": 4}, "seed: must not be given without simulating"),
         ({"limits_m_s": (700.0,), "procedure": "langlie"}, r"limits_m_s\[1\]: is missing and must be given"),
     ],
 )
@@ -208,10 +180,3 @@ def test_shots_that_contradict_the_prior_are_warned_of():
     assert not any(
         "contradict" in warning or "far from" in warning for warning in plan_shots(scenario(), SHOTS).warnings
     )
-
-
-def test_a_simulation_that_does_not_end_says_so(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.planning.firing.MAX_SIMULATED", 3)
-    plan = plan_shots(scenario(), procedure="langlie", simulate=True, true_v50_m_s=1100.0, true_scatter_m_s=10.0)
-    assert plan.simulated == 3
-    assert any("before the firing ended" in warning for warning in plan.warnings)

@@ -310,12 +310,6 @@ def plan_shots(
         "Factor by which the scatter may differ from the expected one, 1.01 to 10: one standard deviation of its "
         "logarithm; by default 2.0."
     ),
-    simulate: bool = flag("Simulate the rest of the firing, 100 shots at most.", "--simulate"),
-    true_v50_m_s: Any = number_option(
-        "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
-    ),
-    true_scatter_m_s: Any = number_option("True scatter of the simulated shots, m/s."),
-    seed: Any = number_option("Seed of the simulation, at least 0; by default 0."),
     lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
     result: str | None = option(
@@ -344,7 +338,7 @@ def plan_shots(
     --------
     armour plan shots wilkins
     armour plan shots wilkins firing.csv --result complete --plot plan.svg
-    armour plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15
+    armour plan shots wilkins --requirement-m-s 700
     """
     from armour.cli import firings
 
@@ -366,9 +360,8 @@ def plan_shots(
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
         ("--plot", plot and each is not None and not is_fired, "must not be given with --each"),
         ("--undo", undo and table is None, "must be given with SHOTS, from which it takes a shot back"),
-        ("--undo", undo and (is_fired or simulate or is_divided), "must be given without --result and the like"),
+        ("--undo", undo and (is_fired or is_divided), "must be given without --result and the like"),
         ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
-        ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
         ("--result", is_fired and is_divided, f"must not be given with {'--sheet' if each is None else '--each'}"),
     )
     if is_fired or undo:
@@ -383,10 +376,6 @@ def plan_shots(
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
-        simulate=simulate,
-        true_v50_m_s=true_v50_m_s,
-        true_scatter_m_s=true_scatter_m_s,
-        seed=seed,
     )
     with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
         plan = partial(armour.plan_shots, loaded, on_progress=count, **options)

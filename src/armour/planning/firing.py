@@ -1,4 +1,4 @@
-"""Plan the next shot of a V50 firing, or simulate the whole firing."""
+"""Plan the next shot of a V50 firing."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,8 +14,7 @@ from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.planning import procedures
-from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
-from armour.planning.shot_file import added
+from armour.planning.procedures import Aim, OperatingPoint, ShotSettings
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
@@ -43,10 +42,6 @@ PLAN_POINTS = 201
 WIDE, WITHIN, NORMAL = 0.3, 1.96, 1e6
 # A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
 ABSURD_FACTOR = 3.0
-# Greatest number of simulated shots.
-MAX_SIMULATED = 100
-BOTH = "must be given too: give both V50 and scatter, or neither"
-NOT_ENDED = f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"
 
 
 @dataclass(frozen=True)
@@ -67,9 +62,7 @@ class ShotPlan(Result):
     ----------
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
     fired : Shots
-        The shots so far, followed by the simulated ones.
-    simulated : int
-        Number of simulated shots, the last ones.
+        The shots so far.
     next_velocity_m_s : float or None
         Velocity of the next shot, m/s; None if the firing has ended.
     reason : str
@@ -122,21 +115,18 @@ class ShotPlan(Result):
         Ballistic limit by the model, m/s; None without a scenario.
     model_error : ModelError or None
         Relative error of the model's limit.
-    true_v50_m_s, true_scatter_m_s : float or None
-        V50 and scatter of the simulated shots, m/s.
     curve : PlanCurve
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
     contradicts_prior : bool
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     notes : tuple of Note
-        Shots far from the others or contradicting the prior, a simulation that did not end, a greatest velocity below
-        V50 or the required one, and ways in which the scenario differs from what the model was compared with.
+        Shots far from the others or contradicting the prior, a greatest velocity below V50 or the required one, and
+        ways in which the scenario differs from what the model was compared with.
     """
 
     procedure: str
     fired: Shots
-    simulated: int
     next_velocity_m_s: float | None
     reason: str
     stopped: str
@@ -156,8 +146,6 @@ class ShotPlan(Result):
     model_error: ModelError | None
     expected_from: str
     curve: PlanCurve
-    true_v50_m_s: float | None = None
-    true_scatter_m_s: float | None = None
     contradicts_prior: bool = False
     decision: str = ""
     consumers_risk: float | None = None
@@ -184,13 +172,9 @@ def plan_shots(
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
-    simulate: bool = False,
-    true_v50_m_s: Velocity | None = None,
-    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=v50.MAX_VELOCITY_M_S)] | None = None,
-    seed: Annotated[int, Field(ge=0)] = 0,
     on_progress: OnProgress = ignore_progress,
 ) -> ShotPlan:
-    """Plan the next shot of a V50 firing, or simulate all further ones.
+    """Plan the next shot of a V50 firing.
 
     Parameters
     ----------
@@ -225,17 +209,8 @@ def plan_shots(
         Limits of V50, m/s, that Langlie's and Neyer's procedures start from, by default the interval of the model's
         limit with a probability of 99 %.  For the other procedures, the range in which V50 is expected if the model
         error is not known.
-    simulate : bool
-        Whether to simulate the rest of the firing, 100 shots at most.
-    true_v50_m_s : float, optional
-        True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior.
-    true_scatter_m_s : float, optional
-        True scatter of the simulated shots, m/s.
-    seed : int
-        Seed of the simulation, at least 0.
     on_progress : callable, optional
-        Called with the number of impacts computed or shots simulated since the last call, and None, as the total is
-        not known.
+        Called with the number of impacts computed since the last call, and None, as the total is not known.
 
     Returns
     -------
@@ -256,29 +231,23 @@ def plan_shots(
     726.8
     """
     shots = shots or Shots((), ())
-    v50.check_shots(shots, kinds=0)
-    if requirement_m_s is not None:
-        v50.refuse_remarks(shots)
+    v50.check_shots(shots, kinds=0, decides=requirement_m_s is not None)
     refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
     v50.check_not_swapped(shots)
-    required, without = requirement_m_s is not None, "must not be given without "
+    required, is_bayesian = requirement_m_s is not None, procedure == "bayesian"
+    no_fraction = "must not be given without a requirement"
     no_requirement = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
     low, high = limits_m_s or (0.0, inf)
     conflicts = [
-        ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
+        ("requirement_fraction", requirement_fraction != 0.5 and not required, no_fraction),
         ("requirement_m_s", required and procedure in LIMITED, no_requirement),
-        ("half_width_m_s", half_width_m_s and required and procedure == "bayesian", other_end),
-        ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
-        ("true_scatter_m_s", true_scatter_m_s and not simulate, f"{without}simulating"),
-        ("seed", seed and not simulate, f"{without}simulating"),
-        ("true_v50_m_s", simulate and true_scatter_m_s and not true_v50_m_s, BOTH),
-        ("true_scatter_m_s", simulate and true_v50_m_s and not true_scatter_m_s, BOTH),
+        ("half_width_m_s", half_width_m_s and required and is_bayesian, other_end),
         ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
     ]
     refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    model_error = None if limit is None else limit.model_error
+    model_error = limit and limit.model_error
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
@@ -297,34 +266,24 @@ def plan_shots(
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
     )
-    rule, fired = procedures.PROCEDURES[procedure], shots
-    if simulate:
-        truth = (true_v50_m_s, true_scatter_m_s) if true_v50_m_s and true_scatter_m_s else None
-        fired, (true_v50_m_s, true_scatter_m_s) = simulate_firing(shots, rule, settings, truth, seed, on_progress)
-    end_reason = rule.ended(fired, settings)
-    aim = None if end_reason else _aim(rule, fired, settings)
+    rule = procedures.PROCEDURES[procedure]
+    end_reason = rule.ended(shots, settings)
+    aim = None if end_reason else _slowed(rule.aim(shots, settings), velocity_max_m_s)
     prior_of_v50 = posterior_of(expectation, (), ())
-    posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
+    posterior_of_v50 = posterior_of(expectation, shots.velocities_m_s, shots.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
-    is_bayesian = procedure == "bayesian"
     operates = is_bayesian and not shots.complete
-    requirement = _requirement(fired, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
+    requirement = _requirement(shots, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
     if end_reason and required and not is_bayesian:
         end_reason += f"; the requirement is {requirement['decision']}"
-    doubts = (
-        *v50.doubts(shots, limit),
-        *contradictions,
-        *([NOT_ENDED] if simulate and aim else ()),
-        *(_too_slow(settings, estimate) if aim else ()),
-    )
+    doubts = (*v50.doubts(shots, limit), *contradictions, *(_too_slow(settings, estimate) if aim else ()))
     return ShotPlan(
         procedure=procedure,
-        fired=fired,
-        simulated=len(fired.complete) - len(shots.complete),
+        fired=shots,
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
         reason="" if aim is None else aim.why,
         stopped=end_reason,
-        expected_shots=procedures.expected_shots(fired, settings) if is_bayesian and aim else None,
+        expected_shots=procedures.expected_shots(shots, settings) if is_bayesian and aim else None,
         confidence=confidence,
         half_width_m_s=half_width_m_s,
         requirement_m_s=requirement_m_s,
@@ -333,23 +292,18 @@ def plan_shots(
         prior=prior_estimate,
         posterior=estimate,
         prior_share=prior_share,
-        recommended=None if is_bayesian else procedures.recommended_fit(fired, confidence),
-        mean=procedures.mean_of(fired) if procedure == "up-and-down" else None,
-        model_ballistic_limit_m_s=None if limit is None else limit.ballistic_limit_m_s,
+        recommended=None if is_bayesian else procedures.recommended_fit(shots, confidence),
+        mean=procedures.mean_of(shots) if procedure == "up-and-down" else None,
+        model_ballistic_limit_m_s=limit and limit.ballistic_limit_m_s,
         model_error=model_error,
         expected_from=expectation.error.source,
-        true_v50_m_s=true_v50_m_s,
-        true_scatter_m_s=true_scatter_m_s,
-        curve=_curve(prior_of_v50, posterior_of_v50, fired),
+        curve=_curve(prior_of_v50, posterior_of_v50, shots),
         contradicts_prior=bool(contradictions),
         **requirement,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        notes=(
-            *map(Note, doubts),
-            *(() if limit is None else limit.notes),
-        ),
-    ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
+        notes=(*map(Note, doubts), *(limit.notes if limit else ())),
+    ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {shots.file}", scenario=scenario)
 
 
 def _expected_v50(
@@ -379,36 +333,8 @@ def _expected_v50(
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 
 
-def simulate_firing(
-    fired: Shots,
-    rule: Rule,
-    settings: ShotSettings,
-    truth: tuple[float, float] | None,
-    seed: int,
-    on_progress: OnProgress,
-) -> tuple[Shots, tuple[float, float]]:
-    """Simulate the rest of a firing by a rule; return all shots, and the true V50 and scatter, m/s.
-
-    `truth` is the true V50 and scatter, m/s; without it, both are drawn from the posterior.  Each shot perforates if it
-    is faster than a limit of its own, drawn from a normal distribution about the true V50.
-    """
-    dice = np.random.default_rng(seed)
-    if truth is None:
-        likely = posterior_of(settings.prior, fired.velocities_m_s, fired.complete)
-        point = dice.choice(len(likely.weights), p=likely.weights)
-        truth = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
-    for limit in dice.normal(*truth, MAX_SIMULATED):
-        if rule.ended(fired, settings):
-            break
-        velocity = aimed(_aim(rule, fired, settings).velocity_m_s)
-        fired = added(fired, velocity, bool(limit < velocity))
-        on_progress(1, None)
-    return fired, truth
-
-
-def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
-    """Return the next velocity by a rule, but at most the greatest that can be fired."""
-    aim, greatest = rule.aim(fired, settings), settings.velocity_max_m_s
+def _slowed(aim: Aim, greatest: float) -> Aim:
+    """Return a next velocity, but at most the greatest that can be fired, m/s."""
     if aim.velocity_m_s <= greatest:
         return aim
     return Aim(greatest, f"{aim.why}; not {aim.velocity_m_s:.1f} m/s, as the greatest velocity is {greatest:g} m/s")

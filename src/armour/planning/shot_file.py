@@ -9,7 +9,7 @@ from pathlib import Path
 from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
 from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
-from armour.statistics.v50 import SHOTS, TARGET, Shots, is_of_shots
+from armour.statistics.v50 import SHOTS, TARGET, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
 # Most digits of a name that counts as the number of a shot.
@@ -117,9 +117,3 @@ def next_name(names: Sequence[str], count: int) -> str:
     """Return the name of the next shot: the greatest number among the names, or else the number of shots, plus 1."""
     numbers = (int(name) for name in names if name.isdecimal() and len(name) <= MOST_DIGITS)
     return str(max(numbers, default=count) + 1)
-
-
-def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
-    """Return shots with one more, named if the others are."""
-    names = (*shots.names, next_name(shots.names, len(shots.complete))) if shots.names else ()
-    return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete), shots.file, names)

@@ -433,16 +433,6 @@ def read_shots(
     return shots_of(csv_files.open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where, ignore=ignore)
 
 
-def refuse_remarks(shots: Shots) -> None:
-    """Raise an InputError if a column that is not read has remarks on shots: no requirement is decided over them."""
-    refuse(
-        Problem(
-            shots.file, "", f"{remark}; for a requirement, leave shots out by a column counts, or --ignore this one"
-        )
-        for remark in (shots.read.warnings if shots.read else ())
-    )
-
-
 def is_of_shots(name: str) -> bool:
     """Return whether a name is that of a column of a table of shots."""
     return column_of(name, SHOT_COLUMNS).known
@@ -562,9 +552,7 @@ def v50(
     """
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         raise mistake("v50", "span_m_s", f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only")
-    check_shots(shots, kinds=1 if prior else 2)
-    if requirement_m_s is not None:
-        refuse_remarks(shots)
+    check_shots(shots, kinds=1 if prior else 2, decides=requirement_m_s is not None)
     if prior and scenario is None:
         raise mistake("v50", "prior", "must be given with a scenario")
     if requirement_m_s is None and requirement_fraction != 0.5:
@@ -612,8 +600,8 @@ def v50(
         penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
         confidence=confidence,
-        model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
-        model_interval_m_s=None if model is None else model.interval_m_s,
+        model_ballistic_limit_m_s=model and model.ballistic_limit_m_s,
+        model_interval_m_s=model and model.interval_m_s,
         notes=(
             *map(Note, doubts(shots, model)),
             *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
@@ -637,7 +625,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-        expected_limit_m_s=None if model is None else model.expected_limit_m_s,
+        expected_limit_m_s=model and model.expected_limit_m_s,
     ).of(subject, scenario=scenario, shots=shots)
 
 
@@ -733,8 +721,11 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
         )
 
 
-def check_shots(shots: Shots, *, kinds: int = 2) -> None:
-    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present."""
+def check_shots(shots: Shots, *, kinds: int, decides: bool = False) -> None:
+    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present.
+
+    Where they decide on a requirement, no column that is not read may have remarks on them.
+    """
     velocities = shots.velocities_m_s
     count, message = len(shots.complete), ""
     wrong: list[object] = [value for value in velocities if not isinstance(value, int | float)]
@@ -753,6 +744,9 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         message += "; armour plan shots gives the next velocity, or decides a requirement" * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
+    remarks = shots.read.warnings if shots.read and decides else ()
+    remedy = "for a requirement, leave shots out by a column counts, or --ignore this one"
+    refuse(Problem(shots.file, "", f"{remark}; {remedy}") for remark in remarks)
 
 
 def check_not_swapped(shots: Shots) -> None:

@@ -38,7 +38,7 @@ def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
 def _facts_of(plan: ShotPlan) -> dict[str, str]:
     """Return the shots so far, V50 and the requirement, by label."""
     found, count = plan.posterior, len(plan.fired.complete)
-    shots = f"{count} so far" + f", {plan.simulated} of them simulated" * bool(plan.simulated)
+    shots = f"{count} so far"
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
         shots += f", about {_number_of_shots(plan.expected_shots)} to go"
         shots += "" if plan.half_width_m_s is None else f" until V50 is known to ± {plan.half_width_m_s:g} m/s"
@@ -76,7 +76,6 @@ def _details(plan: ShotPlan) -> list[Table | str]:
         "procedure": plan.procedure,
         "half width": "" if plan.half_width_m_s is None else f"{plan.half_width_m_s:g} m/s, at which the firing ends",
         "limits of V50": "" if plan.limits_m_s is None else f"{interval(plan.limits_m_s, '.0f')} m/s",
-        "simulated": f"V50 {plan.true_v50_m_s:g} m/s, scatter {plan.true_scatter_m_s:g} m/s" if plan.simulated else "",
     }
     shown.append(Table.of_facts(settings))
     shown += [operating_table(plan)] if plan.operating_characteristic else []
