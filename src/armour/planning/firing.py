@@ -247,7 +247,7 @@ def plan_shots(
     ]
     refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    model_error = limit and limit.model_error
+    model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
@@ -294,7 +294,7 @@ def plan_shots(
         prior_share=prior_share,
         recommended=None if is_bayesian else procedures.recommended_fit(shots, confidence),
         mean=procedures.mean_of(shots) if procedure == "up-and-down" else None,
-        model_ballistic_limit_m_s=limit and limit.ballistic_limit_m_s,
+        model_ballistic_limit_m_s=limit.ballistic_limit_m_s if limit else None,
         model_error=model_error,
         expected_from=expectation.error.source,
         curve=_curve(prior_of_v50, posterior_of_v50, shots),

@@ -600,8 +600,8 @@ def v50(
         penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
         confidence=confidence,
-        model_ballistic_limit_m_s=model and model.ballistic_limit_m_s,
-        model_interval_m_s=model and model.interval_m_s,
+        model_ballistic_limit_m_s=model.ballistic_limit_m_s if model else None,
+        model_interval_m_s=model.interval_m_s if model else None,
         notes=(
             *map(Note, doubts(shots, model)),
             *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
@@ -625,7 +625,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-        expected_limit_m_s=model and model.expected_limit_m_s,
+        expected_limit_m_s=model.expected_limit_m_s if model else None,
     ).of(subject, scenario=scenario, shots=shots)
 
 
