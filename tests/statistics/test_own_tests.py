@@ -21,7 +21,7 @@ from armour.statistics.calibration import CalibrationResult, Law, calibrate
 from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Measurement, read_tests
 from armour.statistics.measured import Tests as Measured
-from armour.statistics.own_tests import predicted_tests, repeated
+from armour.statistics.own_tests import repeated
 from tests.design.results import best_of
 from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
@@ -164,19 +164,6 @@ def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
     assert elsewhere.tests_here is None
 
 
-def test_each_own_test_is_predicted_from_the_others():
-    """As `confidence` predicts its armour, with the two others alone calibrated."""
-    entry = known(very(*VERY_TESTS).entry_of("ceramic"))
-    first, *others = predicted_tests(entry, known(entry.evidence))
-    assert (first.measured_m_s, first.uncertainty_m_s, first.bound) == (905.0, 12.0, "")
-    assert (first.ceramic_thickness_mm, first.backing_thickness_mm) == pytest.approx((8.0, 6.5))
-    here = known(confidence(very(*VERY_TESTS)).model_error)
-    assert here.tests_here is not None
-    assert first.predicted_m_s == pytest.approx(here.tests_here.median_m_s, rel=1e-3)
-    assert first.interval_m_s == pytest.approx(here.tests_here.interval_m_s, rel=1e-3)
-    assert len(others) == 2
-
-
 def test_a_second_test_of_the_armour_settles_it():
     once, twice = (very(VERY_TESTS[0], *VERY_TESTS[1:], *more) for more in ((), ("8,7.62 mm B32,915,12",)))
     errors = [confidence(case).model_error for case in (once, twice)]
@@ -247,26 +234,6 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
         library = {**data, "library": {"metal": order}}
         of_a = confidence(parse_scenario(library).replaced({"armour.backing": "A"}))
         assert known(of_a.model_error).source.endswith("and 1 own test of this lot")
-
-
-def test_own_tests_keep_their_names_and_the_limits_of_the_calibrated_entry():
-    rows = [
-        {"test": name, "laboratory": laboratory, CERAMIC: mm, "ballistic_limit_m_s": limit}
-        for name, laboratory, mm, limit in (
-            ("A1", "North", 6.0, 760.0),
-            ("A2", "North", 8.0, 850.0),
-            ("B1", "South", 6.0, 750.0),
-        )
-    ]
-    tests = read_tests(rows, WILKINS)
-    result = calibrate(tests, WILKINS, FLOW_STRESS)
-    calibrated = written(result, tests, WILKINS)
-    entry = known(calibrated.entry_of("ceramic"))
-    own = predicted_tests(entry, known(entry.evidence))
-    assert [test.name for test in own] == ["A1, North", "A2, North", "B1, South"]
-    limits = [confidence(calibrated.replaced({CERAMIC: mm})).ballistic_limit_m_s for mm in (6.0, 8.0, 6.0)]
-    assert [test.computed_m_s for test in own] == pytest.approx(limits, abs=0.1)
-    assert result.own_tests == own
 
 
 def test_an_entry_calibrated_by_version_1_is_recognised():

@@ -32,7 +32,7 @@ from armour.statistics.likelihood import (
     without,
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import OwnTest, nothing_of_error, own_tests, predicted_tests, repeated, role_of, unused
+from armour.statistics.own_tests import nothing_of_error, own_tests, repeated, role_of, unused
 from armour.units import feet_note
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
@@ -166,8 +166,6 @@ class CalibrationResult(TableResult):
     notes : tuple of Note
         A bad fit, tests out of line with the others, and ways in which tests are unlike those that the model was
         compared with before.
-    own_tests : tuple of OwnTest
-        The limits and shots that the evidence holds, each with the limit that the others predict for it.
     reason : str
         Reason why there is no evidence; empty if there is.
     """
@@ -189,7 +187,6 @@ class CalibrationResult(TableResult):
     widened_by: float = 1.0
     evidence: Mapping[str, Any] | None = None
     notes: tuple[Note, ...] = ()
-    own_tests: tuple[OwnTest, ...] = ()
     reason: str = ""
 
     def _columns(self) -> dict[str, Any]:
@@ -279,7 +276,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     reasons = unused(tests, role) if role else [""] * len(result.residuals)
     used = [place for place, reason in enumerate(reasons) if not reason]
     if role:
-        stored = own_tests(tests, values, used, [result.residuals[place].computed for place in used])
+        stored = own_tests(tests, values, used)
     left_out = [
         f"not used for the probability of stopping: {listed([_line(tests, i) for i in places])}: {reason}"
         for reason in dict.fromkeys(filter(None, reasons))
@@ -294,8 +291,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
             doubtful = set()
     if stored is not None:
         notes += repeated(tests)
-        predictions = predicted_tests(entry, stored) if entry is not None else ()
-        result = replace(result, evidence=stored.model_dump(exclude_none=True), own_tests=predictions)
+        result = replace(result, evidence=stored.model_dump(exclude_none=True, exclude_defaults=True))
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         result = replace(result, reason=nothing_of_error(scenario))
         notes = [f"of the entry, {result.reason}"]

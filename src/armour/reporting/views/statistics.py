@@ -27,7 +27,6 @@ from armour.statistics.curves import FittedCurve
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.lots import V50Difference
 from armour.statistics.measured import LIMIT
-from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
@@ -188,27 +187,6 @@ def residual_table(result: CalibrationResult) -> Table:
         (Column("leave-one-out deviation", "%", "+.1f"), lambda r: deviation(r, r.left_out)),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
-
-
-def own_test_table(tests: Sequence[OwnTest]) -> Table:
-    """Tabulate own tests: the measured limits, those computed, and those predicted from the other own tests."""
-    predicted = Column("predicted from the others (95 % interval)", "m/s")
-    return Table.of(
-        tests,
-        Column.of("name", label="test", prose=True),
-        *Column.of_each(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
-        Column.of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
-        (Column("measured", "m/s"), own_measured),
-        Column.of("computed_m_s", ".0f", "computed"),
-        (predicted, lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})"),
-        (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
-    )
-
-
-def own_measured(test: OwnTest) -> str:
-    """Return what an own test measured, m/s, with its standard deviation, such as "at least 820 ± 15"."""
-    deviation = f" ± {test.uncertainty_m_s:.0f}" if test.uncertainty_m_s else ""
-    return f"{test.bound}{' ' * bool(test.bound)}{test.measured_m_s:.0f}{deviation}"
 
 
 @tables_of.register
