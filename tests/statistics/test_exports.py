@@ -537,8 +537,8 @@ def test_velocities_in_feet_are_named_as_such():
     slow = armour.Shots((700.0, 720.0), (False, True))
     assert not any("ft/s" in text for text in armour.v50(slow, case, confidence=0.5).warnings)
     rows = [{"armour.ceramic_thickness_mm": 5, "ballistic_limit_m_s": 2170}]
-    fitted = armour.calibrate(armour.read_tests(rows, case), case)
-    assert "they are probably ft/s" in fitted.warnings[0]
+    fitted = armour.calibrate(armour.read_tests(rows, scenario()), scenario())
+    assert "row 1: an own test has a limit that no lot of such armour can have" in fitted.warnings
 
 
 def test_json_holds_the_shots_and_the_hash_of_their_table(tmp_path: Path):

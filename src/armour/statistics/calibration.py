@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from statistics import median
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +10,7 @@ from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, Ints, ballistic_limits
+from armour.analysis.variants import Bools, Floats, Ints
 from armour.errors import Note, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
@@ -33,7 +32,6 @@ from armour.statistics.likelihood import (
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import nothing_of_error, own_tests, repeated, role_of, unused
-from armour.units import feet_note
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
 # Keys of the ceramic that each law fits.
@@ -297,7 +295,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         notes = [f"of the entry, {result.reason}"]
     deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
     how_read = tests.read.warnings if tests.read else ()
-    before = *left_out, *how_read, *_in_feet(tests), *implausible, *deviating
+    before = *left_out, *how_read, *implausible, *deviating
     return replace(result, notes=(*map(Note, before), *result.notes, *map(Note, notes)))
 
 
@@ -433,16 +431,6 @@ def _line(tests: Tests, place: int) -> str:
     test = tests.measurements[place].test
     line, name = tests.places[test], tests.names[test]
     return line if name == line else f"{line} ({name})"
-
-
-def _in_feet(tests: Tests) -> Iterator[str]:
-    """Yield a warning if measured limits and velocities seem to be in ft/s, as the model's are so much smaller."""
-    measured = [m.value for m in tests.measurements if m.quantity == LIMIT]
-    if not measured:
-        return
-    computed = float(np.median(np.concatenate([ballistic_limits(group.variants()) for group in tests.groups])))
-    if np.isfinite(computed) and (note := feet_note(median(measured), computed)):
-        yield note
 
 
 def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
