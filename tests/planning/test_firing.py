@@ -55,24 +55,6 @@ def test_swapped_results_are_named_and_not_planned_on():
     assert plan_shots(scenario(), Shots((740.0, 720.0), (False, True))).next_velocity_m_s
 
 
-@pytest.mark.parametrize("procedure", PROCEDURES)
-def test_no_shot_is_planned_that_is_faster_than_can_be_fired(procedure: Any):
-    free = plan_shots(scenario(), Shots((723.0,), (False,)), procedure=procedure)
-    assert known(free.next_velocity_m_s) > 724.0
-    plan = plan_shots(scenario(), Shots((723.0,), (False,)), procedure=procedure, velocity_max_m_s=724.0)
-    assert plan.next_velocity_m_s == 724.0
-
-
-def test_a_greatest_velocity_that_does_not_reach_v50(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(procedures, "MOST_SHOTS", 2)  # of firings that do not end
-    for greatest, required, name in ((600.0, None, "V50 expected, 715"), (650.0, 700.0, "required velocity, 700")):
-        plan = plan_shots(scenario(), velocity_max_m_s=greatest, requirement_m_s=required)
-        assert plan.warnings == (
-            f"the greatest velocity, {greatest:g} m/s, is below the {name} m/s: the firing may not end",
-        )
-        assert plan_shots(scenario(), velocity_max_m_s=800.0, requirement_m_s=required).warnings == ()
-
-
 def test_a_requirement():
     plan = plan_shots(scenario(), SHOTS, requirement_m_s=760.0, requirement_fraction=0.05)
     assert 0.05 < known(plan.probability_met) < 0.5

@@ -365,7 +365,7 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     **each(ends, {"--half-width-m-s": (5.0, 60.0), "--requirement-m-s": (500.0, 1000.0)}),
     **each(ends, {"--requirement-fraction": (0.01, 0.9), "--scatter-percent": (0.5, 8.0)}),
     **each(ends, {"--scatter-factor": (1.1, 4.0), "--lower-m-s": (300.0, 700.0), "--upper-m-s": (800.0, 1500.0)}),
-    **each(ends, {"--velocity-m-s": (500.0, 1000.0), "--velocity-max-m-s": (600.0, 1500.0)}),
+    **each(ends, {"--velocity-m-s": (500.0, 1000.0)}),
     **each(ends, {"--at-m-s": (500.0, 1000.0), "--fraction": (0.01, 0.99)}),
 }
 # How often an option is given that is not given in a fifth of the trials.

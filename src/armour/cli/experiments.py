@@ -299,9 +299,6 @@ def plan_shots(
         "up-and-down rule starts above it."
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
-    velocity_max_m_s: Any = number_option(
-        "Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."
-    ),
     scatter_percent: Any = number_option(
         "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
         "prior, and the initial guess of Neyer's procedure; by default 2.0."
@@ -369,7 +366,6 @@ def plan_shots(
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        velocity_max_m_s=velocity_max_m_s,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),

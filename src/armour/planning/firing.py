@@ -1,6 +1,5 @@
 """Plan the next shot of a V50 firing."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any, Literal
@@ -14,7 +13,7 @@ from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.planning import procedures
-from armour.planning.procedures import Aim, OperatingPoint, ShotSettings
+from armour.planning.procedures import OperatingPoint, ShotSettings
 from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
@@ -121,8 +120,8 @@ class ShotPlan(Result):
     contradicts_prior : bool
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     notes : tuple of Note
-        Shots far from the others or contradicting the prior, a greatest velocity below V50 or the required one, and
-        ways in which the scenario differs from what the model was compared with.
+        Shots far from the others or contradicting the prior, and ways in which the scenario differs from what the model
+        was compared with.
     """
 
     procedure: str
@@ -168,7 +167,6 @@ def plan_shots(
     confidence: Confidence = CONFIDENCE,
     requirement_m_s: Velocity | None = None,
     requirement_fraction: Fraction = 0.5,
-    velocity_max_m_s: Velocity = v50.MAX_VELOCITY_M_S,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
@@ -197,8 +195,6 @@ def plan_shots(
         starts above it.
     requirement_fraction : float
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
-    velocity_max_m_s : float
-        Greatest velocity that can be fired, m/s: no faster shot is planned.
     scatter_percent : float, default 2.0
         Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its prior,
         and the initial guess of Neyer's procedure.
@@ -260,7 +256,6 @@ def plan_shots(
     settings = ShotSettings(
         prior=expectation,
         limits_m_s=limits or (-inf, inf),
-        velocity_max_m_s=velocity_max_m_s,
         half_width_m_s=half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
@@ -268,7 +263,7 @@ def plan_shots(
     )
     rule = procedures.PROCEDURES[procedure]
     end_reason = rule.ended(shots, settings)
-    aim = None if end_reason else _slowed(rule.aim(shots, settings), velocity_max_m_s)
+    aim = None if end_reason else rule.aim(shots, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, shots.velocities_m_s, shots.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
@@ -276,7 +271,6 @@ def plan_shots(
     requirement = _requirement(shots, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
     if end_reason and required and not is_bayesian:
         end_reason += f"; the requirement is {requirement['decision']}"
-    doubts = (*v50.doubts(shots, limit), *contradictions, *(_too_slow(settings, estimate) if aim else ()))
     return ShotPlan(
         procedure=procedure,
         fired=shots,
@@ -302,7 +296,7 @@ def plan_shots(
         **requirement,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        notes=(*map(Note, doubts), *(limit.notes if limit else ())),
+        notes=(*map(Note, (*v50.doubts(shots, limit), *contradictions)), *(limit.notes if limit else ())),
     ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {shots.file}", scenario=scenario)
 
 
@@ -331,13 +325,6 @@ def _expected_v50(
         raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
     middle = 0.5 * (low + high)
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
-
-
-def _slowed(aim: Aim, greatest: float) -> Aim:
-    """Return a next velocity, but at most the greatest that can be fired, m/s."""
-    if aim.velocity_m_s <= greatest:
-        return aim
-    return Aim(greatest, f"{aim.why}; not {aim.velocity_m_s:.1f} m/s, as the greatest velocity is {greatest:g} m/s")
 
 
 def _requirement(
@@ -371,14 +358,6 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     probability = expected(posterior.grid.response(velocities), posterior.weights)
     columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
-
-
-def _too_slow(settings: ShotSettings, estimate: FiringEstimate) -> Iterator[str]:
-    """Yield a warning if the greatest velocity that can be fired is below the required one, or else below V50."""
-    required, greatest = settings.requirement_m_s, settings.velocity_max_m_s
-    sought, name = (estimate.v50_m_s, "V50 expected") if required is None else (required, "required velocity")
-    if greatest < sought:
-        yield f"the greatest velocity, {greatest:g} m/s, is below the {name}, {sought:.0f} m/s: the firing may not end"
 
 
 def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:

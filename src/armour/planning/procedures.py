@@ -116,7 +116,6 @@ class ShotSettings(NamedTuple):
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # of shots that may perforate at the required velocity
-    velocity_max_m_s: float = MAX_VELOCITY_M_S  # greatest that can be fired
 
     @property
     def scatter_m_s(self) -> float:
@@ -315,7 +314,7 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
     for _ in range(2):
         velocity_gains = gains(current.weights[None], current.grid, settings, current.grid.response(velocities))[0]
         best = float(velocities[np.argmax(velocity_gains)])
-        velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, settings.velocity_max_m_s)
+        velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     if settings.requirement_m_s is not None:
         return Aim(best, "expected to be most informative about whether the requirement is met")
     variance = current.variance(current.grid.v50_m_s)
@@ -364,7 +363,7 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
         tail = TAIL if scatter <= greatest else WIDE_TAIL
         low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
         reach = SCATTERS * min(scatter, greatest)
-    low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, settings.velocity_max_m_s)
+    low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     return np.linspace(low, high, count)
 
 
