@@ -48,8 +48,6 @@ STARTS = np.geomspace(1e-2, 5e3, 97)
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
-# Loss of log-likelihood up to which another maximum is nearly as likely; relative difference up to which two are one.
-NEARLY, SAME = 0.5, 1e-3
 # Decimals of log-likelihoods beyond which they differ by rounding alone.
 EQUAL = 9
 # Number of velocities at which a band is computed.
@@ -88,9 +86,6 @@ class FittedCurve:
     v50_lower_m_s, v05_lower_m_s : float or None
         One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None if the
         shots do not bound them, and for curves of maximum likelihood.
-    second_v50_m_s, second_scale_m_s : float or None
-        V50 and scale of a second curve, m/s, if the penalised likelihood has another maximum that is nearly as high:
-        its logarithm is less by at most 0.5.
     """
 
     curve: Link
@@ -106,8 +101,6 @@ class FittedCurve:
     v95_interval_m_s: Interval | None = None
     v50_lower_m_s: float | None = None
     v05_lower_m_s: float | None = None
-    second_v50_m_s: float | None = None
-    second_scale_m_s: float | None = None
 
     @checked
     def probability(self, velocity_m_s: float) -> float:
@@ -194,28 +187,24 @@ class ShotLikelihood:
         self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
         low, high = np.sort(x)[[len(x) // OUTER, -1 - len(x) // OUTER]]
         self.nearby = low - FAR * (high - low), high + FAR * (high - low)
-        self.second: Curve | None = None
         if self.separated:
             # All V50s in the gap are equally likely.  If both kinds share a velocity in place of a gap, the probability
             # at it is that of its complete penetrations.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:
-            self.mode, self.second = self._likeliest()
+            self.mode = self._likeliest()
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
 
-    def _likeliest(self) -> tuple[Curve, Curve | None]:
-        """Return the likeliest curve, and the next maximum of the likelihood that is nearly as high, if there is one.
+    def _likeliest(self) -> Curve:
+        """Return the likeliest curve.
 
         Each maximum over a grid of slopes is refined: the penalised likelihood can have several.
         """
         lines = [_points_with_slope(self._intercepts(slope), slope) for slope in STARTS]
         values = [self._values(points) for points in lines]
         profile = np.array([each.max() for each in values])
-        maxima = [self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)]
-        best, *others = sorted(maxima, key=VALUE, reverse=True)
-        near = (curve for curve in others if curve.value >= best.value - NEARLY and curve.slope > 0.0)
-        return best, next((curve for curve in near if not np.allclose(curve[:2], best[:2], rtol=SAME, atol=SAME)), None)
+        return max((self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)), key=VALUE)
 
     def _refined(self, start: Floats) -> Curve:
         """Return the curve at the maximum of the likelihood near a point, an intercept and a slope, (2,)."""
@@ -411,7 +400,6 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         return None
     scale = 0.0 if shots.separated else deviation / b
     narrowest, widest = shots.scale_interval(float(ndtri(0.5 + 0.5 * confidence)))
-    second = shots.second if penalised else None
     return FittedCurve(
         curve=shots.link,
         v50_m_s=v50,
@@ -426,8 +414,6 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         v95_interval_m_s=shots.velocity_interval(z95, confidence) if penalised else None,
         v50_lower_m_s=shots.lower_bound(0.0, confidence) if penalised else None,
         v05_lower_m_s=shots.lower_bound(-z95, confidence) if penalised else None,
-        second_v50_m_s=mean - deviation * second.intercept / second.slope if second else None,
-        second_scale_m_s=deviation / second.slope if second else None,
     )
 
 

@@ -5,7 +5,7 @@ from itertools import zip_longest
 from armour.planning.firing import ShotPlan
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.table import Column, Table, VerdictLine, between, interval, percent
-from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, share_note
+from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
 from armour.reporting.words import chance, model_error_words, rounded_down
 
 DECISION = (
@@ -31,7 +31,6 @@ def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
     """Return the next velocity, the shots and V50 so far; with `every_row`, why, and all details."""
     good = plan.decision == "met" if plan.stopped and plan.decision else None
     shown: list[Table | str] = [VerdictLine(in_a_line(plan), good=good), Table.of_facts(_facts_of(plan))]
-    shown += second_note(plan.recommended)
     return [*shown, *_details(plan)] if plan.question.get("every_row") else shown
 
 

@@ -301,14 +301,6 @@ def _further(result: FiringResult) -> str:
     return f"{shot} would bound V50: {lower}{interval(further.interval_m_s, '.0f')} m/s"
 
 
-def second_note(fit: FittedCurve | None) -> list[str]:
-    """Return a note on a second curve that fits the shots nearly as well as the recommended one, if there is one."""
-    if fit is None or fit.second_v50_m_s is None:
-        return []
-    first, second = f"{fit.v50_m_s:.1f} (scatter {fit.scale_m_s:.1f})", f"{fit.second_v50_m_s:.1f}"
-    return [f"as likely as V50 {first} is {second} m/s (scatter {fit.second_scale_m_s:.1f}): further shots decide"]
-
-
 def points(result: FiringResult) -> dict[str, str]:
     """Return the points of the recommended curve that were asked for, with their intervals, by label."""
     points, level = {}, percent(result.confidence)
@@ -389,7 +381,7 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
     good = result.decision == "met" if result.decision else None
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=good)]
     shown += [VerdictLine(_v50_words(result))] if result.decision else []
-    shown += [Table.of_facts(_facts_of(result)), *second_note(result.recommended)]
+    shown.append(Table.of_facts(_facts_of(result)))
     if not result.question.get("every_row"):
         return shown
     if result.consumers_risk is not None and result.producers_risk is not None:
