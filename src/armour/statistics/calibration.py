@@ -235,10 +235,9 @@ def calibrate(
         not end.
     """
     fit = tuple(fit)
-    common = common_of(scenario)
-    if different := [name for name, value in common_of(tests.scenario).items() if common[name] != value]:
-        message = f"must be the one that the tests were read with, found other {' and '.join(different)}"
-        raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
+    if common_of(scenario) != common_of(tests.scenario):
+        message = "must be the one that the tests were read with; read_tests reads them with this one"
+        raise mistake("calibrate", "scenario", message)
     for role in ROLES:
         entry = tests.groups[0].scenario.entry_of(role) if any(name.startswith(f"{role}.") for name in fit) else None
         if entry is not None and entry.evidence is not None:

@@ -45,12 +45,15 @@ Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
-# Columns that a table of shots needs, and all that it can have.
-KEYS = ("velocity_m_s", "result")
 # Column in which `plan shots` keeps what the shots are fired at.
 TARGET = "armour and round"
 SHOTS = csv_files.TableKind(
-    "shot", ("velocity_m_s",), ("shot", "result", TARGET), KEYS, "velocity_m_s, shot, result", (TARGET,)
+    "shot",
+    ("velocity_m_s",),
+    ("shot", "result", TARGET),
+    ("velocity_m_s", "result"),
+    "velocity_m_s, shot, result",
+    (TARGET,),
 )
 SHOT_COLUMNS = (*SHOTS.keys, *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
@@ -442,12 +445,6 @@ def shots_of(
     source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None, ignore: Names = ()
 ) -> Shots:
     """Return the shots of an open table; arguments and errors are those of `read_shots`."""
-    column_keys = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
-    if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in column_keys and not {*KEYS} <= column_keys):
-        message = (
-            "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
-        )
-        raise mistake(source.file, "", message)
     least = 0 if one_kind else 1
     table = csv_files.read_rows(source, SHOTS, where, least, (*ignore,))
     rows = table.rows
