@@ -268,34 +268,31 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     if not values and len(result.coefficients) == 1:
         values = {name: scenario.inputs()[name] for name in inputs}
         notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
-    entry = scenario.entry_of(inputs[0].partition(".")[0])
-    role, stored = role_of(tests, inputs) if len(values) == len(result.coefficients) else "", None
-    reasons = unused(tests, role) if role else [""] * len(result.residuals)
+    role = role_of(tests, inputs) if len(values) == len(result.coefficients) else ""
+    reasons = unused(tests, role) if role else []
     used = [place for place, reason in enumerate(reasons) if not reason]
-    if role:
-        stored = own_tests(tests, values, used)
-    left_out = [
-        f"not used for the probability of stopping: {listed([_line(tests, i) for i in places])}: {reason}"
-        for reason in dict.fromkeys(filter(None, reasons))
-        for places in [[i for i, other in enumerate(reasons) if other == reason]]
+    places = {reason: [i for i, other in enumerate(reasons) if other == reason] for reason in filter(None, reasons)}
+    doubts = [
+        f"not used for the probability of stopping: {listed([_line(tests, i) for i in where])}: {reason}"
+        for reason, where in places.items()
     ]
-    implausible, doubtful = list[str](), set[int]()
-    if stored is not None and entry is not None:
+    doubts += tests.read.warnings if tests.read else ()
+    entry, doubtful = scenario.entry_of(role) if role else None, set[int]()
+    stored = own_tests(tests, values, used) if entry else None
+    if entry and stored:
         evidence = own_evidence(entry, stored)
         doubtful = {used[place] for place in evidence.doubtful}
         if not evidence.fits:
-            stored, implausible = None, [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
-            doubtful = set()
+            doubts += [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
+            stored, doubtful = None, set()
     if stored is not None:
         notes += repeated(tests)
         result = replace(result, evidence=stored.model_dump(exclude_none=True, exclude_defaults=True))
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         result = replace(result, reason=nothing_of_error(scenario))
         notes = [f"of the entry, {result.reason}"]
-    deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
-    how_read = tests.read.warnings if tests.read else ()
-    before = *left_out, *how_read, *implausible, *deviating
-    return replace(result, notes=(*map(Note, before), *result.notes, *map(Note, notes)))
+    doubts += (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
+    return replace(result, notes=(*map(Note, doubts), *result.notes, *map(Note, notes)))
 
 
 def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
