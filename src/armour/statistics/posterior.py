@@ -14,11 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from armour.analysis.ballistic_limit import no_error
 from armour.analysis.variants import Floats
-from armour.errors import InputError, mistake
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
-from armour.scenario.scenario import Scenario
 
 # Probability of V50 beyond each end of the first grid, and the multiples of the limit that bound its ends.
 GRID_TAIL, LEAST_MULTIPLE, GREATEST_MULTIPLE = 1e-9, 0.01, 10.0
@@ -168,15 +165,6 @@ class Posterior(NamedTuple):
         step = np.diff(self.grid.v50_m_s[:: self.grid.shape[1]]).mean()
         # Near the velocity, the share of a point changes linearly over the distance of two neighbouring V50s.
         return float(expected(np.clip(0.5 + excess / step, 0.0, 1.0), self.weights))
-
-
-def no_prior(scenario: Scenario) -> InputError:
-    """Return the error to raise if a prior is needed and the model error of the scenario is not known."""
-    return mistake(
-        scenario.file,
-        "uncertainty.model",
-        f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}",
-    )
 
 
 def posterior_of(

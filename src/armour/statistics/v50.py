@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from armour import csv_files
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, no_error
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import EachResult, OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, columns_of, perforates
@@ -25,7 +25,7 @@ from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
 from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
 from armour.statistics.lots import V50Difference, difference_of
-from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
+from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, posterior_of
 from armour.units import feet_note
 
 # Usual span of the velocities in the mean, m/s, by the number of shots of each kind: 125, 90 and 60 ft/s.
@@ -576,7 +576,8 @@ def v50(
     contradictions: tuple[str, ...] = ()
     if prior and scenario and model:
         if model.model_error is None:
-            raise no_prior(scenario)
+            message = f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}"
+            raise mistake(scenario.file, "uncertainty.model", message)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
         posterior = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
         prior_estimate, posterior_estimate, share, contradictions = learned(
