@@ -92,6 +92,16 @@ def test_each_lot_is_closed(cli, folder: Path):
         assert "V50 not found to differ: lot B minus lot A" in cli("v50", "t.csv", "--each", "lot", *words).stdout
 
 
+def test_a_shot_is_taken_back_by_the_rules_of_the_table(cli, folder: Path):
+    (folder / "t.csv").write_text("velocity_m_s,result,void\n700,P,\n730,C,\n715,P,\n800,P,x\n")
+    undo = ["plan", "shots", "t.csv", *SOON, "--undo"]
+    cli(*undo, "--where", "void=")
+    assert (folder / "t.csv").read_text() == "velocity_m_s,result,void\n700,P,\n730,C,\n800,P,x\n"
+    assert "void: is not read and divides" in cli.fails(2, "plan", "shots", "t.csv", *SOON)[0]
+    cli(*undo)
+    assert (folder / "t.csv").read_text() == "velocity_m_s,result,void\n700,P,\n730,C,\n"
+
+
 def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
     (folder / "s.toml").write_text(SUITE + "band = 0.5\n")
     head, *rows = TESTS.format("b").splitlines()

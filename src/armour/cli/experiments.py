@@ -315,6 +315,7 @@ def plan_shots(
         metavar="RESULT",
     ),
     velocity_m_s: Any = number_option("Measured velocity of this shot, m/s; by default the planned one."),
+    undo: bool = flag("Take the last shot back from SHOTS.", "--undo"),
     where: list[str] | None = WHERE,
     ignore: list[str] | None = IGNORE,
     each: str | None = EACH,
@@ -355,10 +356,12 @@ def plan_shots(
         ("--sheet" if each is None else "--each", table is None and is_divided, "must be given with SHOTS"),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
         ("--plot", plot and each is not None and not is_fired, "must not be given with --each"),
+        ("--undo", undo and table is None, "must be given with SHOTS, from which it takes a shot back"),
+        ("--undo", undo and (is_fired or is_divided), "must be given without --result and the like"),
         ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
         ("--result", is_fired and is_divided, f"must not be given with {'--sheet' if each is None else '--each'}"),
     )
-    if is_fired:
+    if is_fired or undo:
         check_outputs(plot=plot, updated=table, force=force)
     options = given(
         procedure=procedure,
@@ -374,7 +377,9 @@ def plan_shots(
         plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
         files: Files = {}
         planned: Any
-        if result is None or table is None:
+        if undo and table is not None:
+            planned, notes, files = firings.plan_without_last(plan, table, chosen(where), ignore or ())
+        elif result is None or table is None:
             planned = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each)
             notes = planned.notes
         else:
@@ -385,7 +390,7 @@ def plan_shots(
             planned, notes, files = firings.plan_after(plan, *change)
     file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
     answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
-    if each is None and planned.next_velocity_m_s is not None and not is_fired:
+    if each is None and planned.next_velocity_m_s is not None and not is_fired and not undo:
         shot = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
         runner.propose(f"add {'' if table else 'shots.csv '}{shot}")
     elif each is None and planned.next_velocity_m_s is None and table is not None:

@@ -12,7 +12,7 @@ from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
 from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
-from armour.planning.shot_file import content_of, with_shot
+from armour.planning.shot_file import content_of, with_shot, without_last
 from armour.scenario.keys import describe
 from armour.statistics.v50 import Shots, is_of_shots, lots_of, shots_of
 
@@ -116,6 +116,18 @@ def plan_after(
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
     return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
+
+
+def plan_without_last(
+    plan: Callable[..., ShotPlan], table: Path, where: Mapping[str, str], ignore: Sequence[str]
+) -> tuple[ShotPlan, list[Note], Files]:
+    """Plan the next shot after taking the last one back from a table; see `plan_after`."""
+    earlier_content = content_of(table)
+    content, taken = without_last(table, where, ignore)
+    source = open_table(table, is_of_shots, content=content)
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
+    say(f"note: {table}: without {taken}")
+    return after, [*after.notes], {table: _replacing(table, earlier_content, content)}
 
 
 def _replacing(table: Path, earlier: bytes | None, content: bytes) -> Callable[[Path], bytes]:
