@@ -1,6 +1,7 @@
 """Own tests of a lot: what a calibrated entry keeps of them, and what follows for other armours."""
 
 import tomllib
+from datetime import date
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -527,3 +528,29 @@ def test_what_other_tests_contradict_is_not_said_of_armours_like_the_own_tests()
     assert said(case) == [("contradicted", "normal_steel"), ("contradicted", "lots_of_steel")]
     assert said(own) == []
     assert said(own.replaced({"impact.projectile": "12.7 mm FSP"})) == [("contradicted", "fragments")]
+
+
+LIMIT_AT_8 = 878.0
+DATES = {
+    "%Y-%m-%d": ("2025-11-03", "2025-12-20", "2026-01-09", "2026-02-14", "2026-03-02", "2026-04-11"),
+    "%d.%m.%Y": ("03.11.2025", "20.12.2025", "09.01.2026", "14.02.2026", "02.03.2026", "11.04.2026"),
+    "%m/%d/%Y": ("11/03/2025", "12/20/2025", "01/09/2026", "02/14/2026", "03/02/2026", "04/11/2026"),
+}
+
+
+@pytest.mark.parametrize("dates", DATES.values(), ids=DATES)
+@pytest.mark.parametrize("steady", [True, False])
+def test_a_steady_drift_over_dates_is_named(dates: tuple[str, ...], steady: bool):
+    """Limits that rise by 2 % with each date, in or out of the order of the dates, in a table of any order."""
+    rises = (0, 1, 2, 3, 4, 5) if steady else (3, 0, 5, 1, 4, 2)
+    rows = [
+        f"{i},{day},8,{LIMIT_AT_8 * 1.02**rise:.1f}" for i, (day, rise) in enumerate(zip(dates, rises, strict=True))
+    ]
+    tests = table_of(WILKINS, f"test,date,{CERAMIC},ballistic_limit_m_s", *rows[3:], *rows[:3])
+    named = [
+        warning for warning in calibrate(tests, WILKINS).warnings if "the deviations drift with the date" in warning
+    ]
+    assert len(named) == steady
+    days = [(date.fromisoformat(day) - date(2025, 11, 3)).days for day in DATES["%Y-%m-%d"]]
+    drift = 100.0 * (1.02 ** (np.polyfit(days, rises, 1)[0] * days[-1]) - 1.0)
+    assert not steady or f"{drift:+.1f} % from {dates[0]} to {dates[-1]}; chance alone" in named[0]

@@ -1,8 +1,10 @@
 """Calibration: inputs of a scenario fitted to tests, with intervals and leave-one-out errors."""
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from datetime import datetime
 from typing import Any, Literal
 
 import numpy as np
@@ -10,7 +12,7 @@ from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, Ints
+from armour.analysis.variants import Bools, Floats
 from armour.errors import Note, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
@@ -80,6 +82,8 @@ ASSUMED = (
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
 # Number of random permutations of the deviations in a permutation test.
 PERMUTATIONS = 4999
+# Formats of dates, of which a column has one: the day goes before the month where both are possible.
+DATE_FORMATS = ("%Y-%m-%d", "%Y-%m-%d %H:%M:%S", "%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d/%m/%y", "%m/%d/%y")
 # A computed value may miss a bound by this much, half of the last digit shown, and still meet it.
 AT_BOUND = 0.005
 
@@ -392,7 +396,10 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
 
 
 def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
-    """Yield a warning for each column of origin, such as the laboratory, by which the deviations of limits differ."""
+    """Yield a warning for each column of origin, such as the laboratory, by which the deviations of limits differ.
+
+    A drift over dates goes before a difference between them.
+    """
     places = [i for i, m in enumerate(tests.measurements) if m.quantity == LIMIT and not m.side]
     deviations = np.array([np.log(residuals[i].measured / residuals[i].computed) for i in places])
     deviations = deviations - deviations.mean() if places else deviations
@@ -401,25 +408,42 @@ def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
         remedy = "find out what differed, and make it a column"
         if column in SERIES_COLUMNS:
             remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
+        elif len(days := _days(names)) and np.ptp(days):
+            since = days - days.mean()
+            if (chance := _chance(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
+                drift = 100.0 * np.expm1(deviations @ since / (since @ since) * np.ptp(days))
+                ends = f"from {names[days.argmin()]} to {names[days.argmax()]}"
+                yield f"the deviations drift with the {column}: {drift:+.1f} % {ends}; {_by_chance(chance)}; {remedy}"
+                continue
         has_name = names == np.unique(names)[:, None]
         counts = has_name.sum(axis=1)
         if len(counts) > 1 and (chance := _chance(deviations, has_name, counts)) < FALSE_ALARMS:
             means = 100.0 * (np.exp(has_name @ deviations / counts) - 1.0)
             by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
-            yield (
-                f"the deviations differ by {column}: {joined(by_name)}; chance alone does this in "
-                f"{100.0 * chance:.2g} % of tables; {remedy}"
-            )
+            yield f"the deviations differ by {column}: {joined(by_name)}; {_by_chance(chance)}; {remedy}"
 
 
-def _chance(deviations: Floats, has_name: Bools, counts: Ints) -> float:
-    """Return how often random orders of deviations, (n,), differ as much by name as the given one: a permutation test.
+def _chance(deviations: Floats, contrasts: Any, counts: Any) -> float:
+    """Return how often random orders of deviations, (n,), are as far from none as the given one: a permutation test.
 
-    The measure is the sum of the squares of the sums over each of k names, (k, n), over their `counts`, (k,).
+    The measure is the sum of the squares of the `contrasts`, (k, n), over `counts`, (k,).
     """
     shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (PERMUTATIONS, 1)), axis=1)
-    squares = ((np.vstack([deviations, shuffled]) @ has_name.T) ** 2 / counts).sum(axis=1)
+    squares = ((np.vstack([deviations, shuffled]) @ contrasts.T) ** 2 / counts).sum(axis=1)
     return float((squares > squares[0] * (1.0 - 1e-9)).mean())
+
+
+def _by_chance(chance: float) -> str:
+    """Return in words how often chance alone does the same."""
+    return f"chance alone does this in {100.0 * chance:.2g} % of tables"
+
+
+def _days(cells: Iterable[str]) -> Floats:
+    """Return the days of dates, (n,), by the first format that all have; none if they have none."""
+    for form in DATE_FORMATS:
+        with suppress(ValueError):
+            return np.array([datetime.strptime(cell, form).toordinal() for cell in cells], float)
+    return np.empty(0)
 
 
 def _line(tests: Tests, place: int) -> str:
