@@ -54,7 +54,6 @@ from .statistics.fitted_library import save_fit as save_fit
 from .statistics.likelihood import Coefficient as Coefficient
 from .statistics.measured import Tests as Tests
 from .statistics.measured import read_tests as read_tests
-from .statistics.own_tests import OwnTest as OwnTest
 from .statistics.posterior import FiringEstimate as FiringEstimate
 from .statistics.sensitivity import Elasticity as Elasticity
 from .statistics.sensitivity import SensitivityResult as SensitivityResult

@@ -15,7 +15,7 @@ from armour.cli.options import number, share
 
 COMMANDS = [scenario_commands.optimise, experiments.v50, experiments.calibrate, experiments.plan_shots]
 # Arguments, and options that name files in place of what is read from them.
-OF_FILES = {"scenario", "tests", "earlier"}
+OF_FILES = {"scenario", "tests"}
 
 
 @pytest.mark.parametrize("words", ["v50 tests/shots wilkins", "calibrate tests/wilkins wilkins"])

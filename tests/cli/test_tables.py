@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import armour
-from armour import load_scenario, plan_shots, read_shots
 
 SHOTS = "velocity_m_s,result,shot\n700,partial,1\n715,complete,{}\n710,partial,3\n725,complete,4\n"
 TESTS = "armour.ceramic_thickness_mm,ballistic_limit_m_s,test\n5,660,a\n6,705,{}\n8,790,c\n7,755,d\n"
@@ -195,14 +194,6 @@ def test_a_panel_without_an_answer_stops_no_other(cli, folder: Path):
     planned = json.loads(cli("plan", "shots", "wilkins", "t.csv", "--each", "panel", "--json").stdout)
     assert [*planned] == ["panel A", "panel B", "panel C", "panel D", "made_by"]
     assert cli.fails(2, "v50", "t.csv", "--each", "panel", "--pairs", "7")[-1].startswith("command line: --span-m-s: ")
-
-
-def test_each_panel_of_an_earlier_table_is_a_firing(cli, folder: Path):
-    write_panels(folder, A="PPCPCC", B="PPPCCC")
-    found = json.loads(cli("plan", "shots", "wilkins", "--earlier", "t.csv", "--json").stdout)
-    parts = [read_shots(folder / "t.csv", where={"panel": name}) for name in "AB"]
-    assert found["earlier"] == 2
-    assert found["scatter_percent"] == plan_shots(load_scenario("wilkins"), earlier=parts).scatter_percent
 
 
 def test_a_swapped_panel_stops_no_other_plan(cli, folder: Path):

@@ -1,6 +1,6 @@
 """Commands on tests of armours: estimate from them, and plan the next shot."""
 
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -299,14 +299,6 @@ def plan_shots(
         "up-and-down rule starts above it."
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
-    velocity_max_m_s: Any = number_option(
-        "Greatest velocity that can be fired, m/s: no faster shot is planned; by default 10000.0."
-    ),
-    prior: bool = flag(
-        "Include the model's prediction in the decision on the requirement, which then uses the posterior and has "
-        "no stated risks.",
-        "--prior",
-    ),
     scatter_percent: Any = number_option(
         "Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its "
         "prior, and the initial guess of Neyer's procedure; by default 2.0."
@@ -315,20 +307,8 @@ def plan_shots(
         "Factor by which the scatter may differ from the expected one, 1.01 to 10: one standard deviation of its "
         "logarithm; by default 2.0."
     ),
-    simulate: bool = flag("Simulate the rest of the firing, 100 shots at most.", "--simulate"),
-    true_v50_m_s: Any = number_option(
-        "True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior."
-    ),
-    true_scatter_m_s: Any = number_option("True scatter of the simulated shots, m/s."),
-    seed: Any = number_option("Seed of the simulation, at least 0; by default 0."),
     lower_m_s: Any = number_option("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = number_option("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
-    earlier: list[Path] | None = option(
-        "CSV file of an earlier firing at similar armour, or of one at each of several panels; the scatter is pooled "
-        "with the expected one; repeatable.",
-        metavar="SHOTS",
-        autocompletion=completion.tables,
-    ),
     result: str | None = option(
         "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
         "it is appended to SHOTS.",
@@ -355,14 +335,14 @@ def plan_shots(
     --------
     armour plan shots wilkins
     armour plan shots wilkins firing.csv --result complete --plot plan.svg
-    armour plan shots wilkins --simulate --true-v50-m-s 770 --true-scatter-m-s 15
+    armour plan shots wilkins --requirement-m-s 700
     """
     from armour.cli import firings
 
     if scenario is not None and is_table(scenario):
         table, scenario = scenario, table
     loaded = _scenario_of(scenario, changes, "plan_shots")
-    check_outputs(inputs=[scenario, table, *(earlier or ())], scenarios=[loaded], plot=plot, force=force)
+    check_outputs(inputs=[scenario, table], scenarios=[loaded], plot=plot, force=force)
     is_fired, is_divided = result is not None, each is not None or sheet is not None
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
@@ -377,9 +357,8 @@ def plan_shots(
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
         ("--plot", plot and each is not None and not is_fired, "must not be given with --each"),
         ("--undo", undo and table is None, "must be given with SHOTS, from which it takes a shot back"),
-        ("--undo", undo and (is_fired or simulate or is_divided), "must be given without --result and the like"),
+        ("--undo", undo and (is_fired or is_divided), "must be given without --result and the like"),
         ("--result", is_fired and table is None, "must be given with SHOTS, to which it adds a shot"),
-        ("--result", is_fired and simulate, "must not be given with --simulate: it records a shot that was fired"),
         ("--result", is_fired and is_divided, f"must not be given with {'--sheet' if each is None else '--each'}"),
     )
     if is_fired or undo:
@@ -390,36 +369,27 @@ def plan_shots(
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        velocity_max_m_s=velocity_max_m_s,
-        prior=prior,
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        earlier=firings.earlier_firings(earlier or (), ignore or ()),
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
-        simulate=simulate,
-        true_v50_m_s=true_v50_m_s,
-        true_scatter_m_s=true_scatter_m_s,
-        seed=seed,
     )
-    # The stack keeps a table to which a shot is added locked until it is written.
-    with ExitStack() as stack:
-        with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
-            plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
-            files: Files = {}
-            planned: Any
-            if undo and table is not None:
-                planned, notes, files = firings.plan_without_last(plan, stack, table, chosen(where), ignore or ())
-            elif result is None or table is None:
-                planned = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each)
-                notes = planned.notes
-            else:
-                from armour.scenario.scenario import ANY_VELOCITY
+    with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
+        plan = partial(armour.plan_shots, loaded, on_progress=count, **options)
+        files: Files = {}
+        planned: Any
+        if undo and table is not None:
+            planned, notes, files = firings.plan_without_last(plan, table, chosen(where), ignore or ())
+        elif result is None or table is None:
+            planned = firings.next_plan(plan, table, chosen(where), sheet, ignore or (), each)
+            notes = planned.notes
+        else:
+            from armour.scenario.scenario import ANY_VELOCITY
 
-                target = "" if loaded is None else loaded.subject(ANY_VELOCITY)
-                change = (stack, table, result, velocity_m_s, chosen(where), ignore or (), target)
-                planned, notes, files = firings.plan_after(plan, *change)
-        file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
-        answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
+            target = "" if loaded is None else loaded.subject(ANY_VELOCITY)
+            change = (table, result, velocity_m_s, chosen(where), ignore or (), target)
+            planned, notes, files = firings.plan_after(plan, *change)
+    file = ", ".join([*([str(table)] if table else []), *([loaded.file] if loaded else [])])
+    answer(planned, loaded, files, notes, plot=plot, file=file, as_json=as_json, verbose=verbose)
     if each is None and planned.next_velocity_m_s is not None and not is_fired and not undo:
         shot = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
         runner.propose(f"add {'' if table else 'shots.csv '}{shot}")

@@ -1,7 +1,6 @@
 """Answer questions on tables of shots: for each value of a column, for the next shot, and after adding a shot."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
 
@@ -13,9 +12,9 @@ from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
 from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
-from armour.planning.shot_file import content_of, locked, with_shot, without_last
+from armour.planning.shot_file import content_of, with_shot, without_last
 from armour.scenario.keys import describe
-from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
+from armour.statistics.v50 import Shots, is_of_shots, lots_of, shots_of
 
 # Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
@@ -54,18 +53,6 @@ def each_result(
     return EachResult(results, unanswered)
 
 
-def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots]:
-    """Read earlier firings: each table is one, or several if it has shots at several targets."""
-    try:
-        return [
-            say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
-            for table in tables
-            for chosen in [{name: value} for name, value in firings_of(table, ignore)] or [{}]
-        ]
-    except InputError as error:
-        raise InputError(error.problems) from None  # --where is of another table
-
-
 def next_plan(
     plan: Callable[..., ShotPlan],
     table: Path | None,
@@ -93,7 +80,6 @@ def next_plan(
 
 def plan_after(
     plan: Callable[..., ShotPlan],
-    stack: ExitStack,
     table: Path,
     result: str,
     velocity_m_s: float | None,
@@ -104,12 +90,11 @@ def plan_after(
     """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
 
     Return the plan, its notes and those on the added shot, and the table as a file to write, which names the ``target``
-    if it is new.  The table stays locked until ``stack`` is closed.
+    if it is new.
     """
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
-    stack.enter_context(locked(table))
     earlier_content = content_of(table)
     fired = Shots((), (), str(table))
     if exists(table):
@@ -134,10 +119,9 @@ def plan_after(
 
 
 def plan_without_last(
-    plan: Callable[..., ShotPlan], stack: ExitStack, table: Path, where: Mapping[str, str], ignore: Sequence[str]
+    plan: Callable[..., ShotPlan], table: Path, where: Mapping[str, str], ignore: Sequence[str]
 ) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after taking the last one back from a table; see `plan_after`."""
-    stack.enter_context(locked(table))
     earlier_content = content_of(table)
     content, taken = without_last(table, where, ignore)
     source = open_table(table, is_of_shots, content=content)

@@ -1,45 +1,19 @@
 """Add a shot to the file of a firing, or take the last one back."""
 
 import csv
-import os
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from io import StringIO
 from itertools import chain
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
 from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
-from armour.files import reason
-from armour.statistics.v50 import SHOTS, TARGET, Shots, is_of_shots
+from armour.statistics.v50 import SHOTS, TARGET, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
-# Time to wait for other commands that are adding shots to the same file; each command takes a second or two.
-WAIT_S = 120.0
 # Most digits of a name that counts as the number of a shot.
 MOST_DIGITS = 15
-
-
-@contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Keep other commands from adding a shot to a file, by a lock file beside it.
-
-    The file itself cannot be the lock, as it is replaced.
-    """
-    target = Path(os.path.realpath(path))
-    lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
-    try:
-        held = lock.acquire()
-    except Timeout:
-        message = f"cannot be written: other commands have been adding shots to it for {WAIT_S:.0f} s"
-        raise mistake(path, "", message) from None
-    except OSError as error:
-        raise mistake(lock.lock_file, "", f"cannot be locked: {reason(error)}") from None
-    with held:
-        yield
 
 
 def content_of(path: Path) -> bytes | None:
@@ -143,9 +117,3 @@ def next_name(names: Sequence[str], count: int) -> str:
     """Return the name of the next shot: the greatest number among the names, or else the number of shots, plus 1."""
     numbers = (int(name) for name in names if name.isdecimal() and len(name) <= MOST_DIGITS)
     return str(max(numbers, default=count) + 1)
-
-
-def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
-    """Return shots with one more, named if the others are."""
-    names = (*shots.names, next_name(shots.names, len(shots.complete))) if shots.names else ()
-    return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete), shots.file, names)

@@ -39,7 +39,6 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
     mean = result.mean or next(iter(result.means), None)
     verdict = views.decision(result) if result.decision else ""
     found = [f"{name}: {words}" for name, words in views.points(result).items()]
-    found += views.second_note(result.recommended)
     sections = [
         ReportSection("Shots", tables=(_shot_table(shots, mean),)),
         _v50_section(result, found),

@@ -21,10 +21,8 @@ from armour.reporting.report import Report, ReportSection, origin_section, refer
 from armour.reporting.table import Column, Table, in_words
 from armour.reporting.views import design as design_view
 from armour.reporting.views.library import entry_table
-from armour.reporting.views.statistics import own_test_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
-from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import sensitivity
 from armour.statistics.uncertainty import uncertainty
 from armour.validation.tested import nearest_measured
@@ -146,9 +144,12 @@ def _warning(note: Note) -> str:
 def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
     """Yield a section for each material of the armour with own tests, with their source."""
     for entry in filter(None, map(answer.entry_of, ("ceramic", "backing"))):
-        if entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
+        tests = next((value.tests for value in entry.values.values() if value.tests), [])
+        if entry.evidence is not None and tests:
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
-            yield ReportSection("Own tests", (source,), tables=(own_test_table(tests),))
+            keys = dict.fromkeys(key for test in tests for key in test)
+            columns = ((Column.of(key), lambda test, key=key: test.get(key)) for key in keys)
+            yield ReportSection("Own tests", (source,), tables=(Table.of(tests, *columns),))
 
 
 def _designs(design: DesignResult, map_command: str) -> ReportSection:

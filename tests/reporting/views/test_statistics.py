@@ -101,15 +101,6 @@ def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
     assert "more" not in facts(view.tables_of_firing(wider))
 
 
-def test_a_second_curve_that_fits_nearly_as_well_is_told():
-    partial, complete = (338.1, 638.3, 647.0, 648.2, 655.0, 656.3, 661.9), (638.5, 665.0, 668.3, 668.8, 680.7)
-    found = v50(Shots((*partial, *complete), (False,) * 7 + (True,) * 5))
-    [note] = view.second_note(found.recommended)
-    assert note.startswith("as likely as V50 659.1 (scatter 21.6) is 659.7 m/s (scatter 46.2)")
-    assert note in view.tables_of_firing(found)
-    assert view.second_note(None) == []
-
-
 def test_a_v50_that_the_shots_do_not_bound_is_no_answer():
     found = v50(Shots((735.3, 761.4, 720.0, 748.0, 744.0), (False, True, True, False, True)), fraction=0.01)
     assert in_a_line(found) == "V50 not bounded by these shots"

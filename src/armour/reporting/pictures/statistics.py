@@ -14,8 +14,6 @@ from armour.reporting.views.statistics import MEANS, at_one_level, velocity_name
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve, ShotLikelihood
-from armour.statistics.measured import LIMIT
-from armour.statistics.own_tests import OwnTest
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, Shots
@@ -97,7 +95,7 @@ WORDS = {"": "measured", "at least": "stopped at", "at most": "perforated at"}
 
 @draw.register
 def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw computed over measured values, and deviations, for each quantity measured; and own tests, if any."""
+    """Draw computed over measured values, and deviations, for each quantity measured."""
     has_uncertainties = any(residual.uncertainty for residual in result.residuals)
     by_quantity = grouped(result.residuals, lambda residual: residual.quantity)
     measured = {quantity: [r for r in residuals if not r.bound] for quantity, residuals in by_quantity.items()}
@@ -106,10 +104,6 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
         tests = [residual.test for residual in _largest(residuals)]
         heights += [sheet.width - 0.3, *([drawing.rows_height(tests, titled=True)] if tests else [])]
     note = "Error bars: ± one standard deviation of the measured value." if has_uncertainties else ""
-    own = _farthest(result)
-    if own:
-        note += f"{' ' * bool(note)}Own tests: 95 % intervals from the others of the lot."
-        heights.append(drawing.rows_height([name for name, _ in own], titled=True))
     picture = sheet.panels(headline(result), *heights, note=note)
     panels = iter(picture.axes)
     for quantity, residuals in by_quantity.items():
@@ -120,27 +114,7 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
         drawing.agreement(next(panels), quantity, "measured", groups)
         if measured[quantity]:
             _draw_deviations(next(panels), quantity, measured[quantity])
-    if own:
-        _draw_own_tests(next(panels), own)
     return picture
-
-
-def _farthest(result: CalibrationResult) -> list[tuple[str, OwnTest]]:
-    """Return names and own tests, at most `MAX_TESTS`, that deviate most from the prediction by the others."""
-    names = [residual.test for residual in result.residuals if residual.quantity == LIMIT]
-    pairs = list(zip(names, result.own_tests, strict=False))
-    return sorted(pairs, key=lambda pair: -abs(pair[1].measured_m_s / pair[1].predicted_m_s - 1.0))[:MAX_TESTS]
-
-
-def _draw_own_tests(axes: Axes, own: Sequence[tuple[str, OwnTest]]) -> None:
-    """Draw the limits that own tests measured, and the intervals that the others of the lot predict for them."""
-    values: dict[str, list[float | None]] = {WORDS[bound]: [None] * len(own) for bound in WORDS}
-    for place, (_, test) in enumerate(own):
-        values[WORDS[test.bound]][place] = test.measured_m_s
-    known = {words: numbers for words, numbers in values.items() if any(numbers)}
-    drawing.rows(axes, [name for name, _ in own], known | {"predicted": [test.predicted_m_s for _, test in own]})
-    drawing.ranges(axes, range(len(own)), [test.interval_m_s for _, test in own], drawing.SOFT)
-    axes.set(title="Own tests, and what the others of the lot predict", xlabel="ballistic limit, m/s")
 
 
 def _largest(residuals: Sequence[Residual]) -> list[Residual]:

@@ -27,7 +27,6 @@ from armour.statistics.curves import FittedCurve
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.lots import V50Difference
 from armour.statistics.measured import LIMIT
-from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
@@ -190,27 +189,6 @@ def residual_table(result: CalibrationResult) -> Table:
     )
 
 
-def own_test_table(tests: Sequence[OwnTest]) -> Table:
-    """Tabulate own tests: the measured limits, those computed, and those predicted from the other own tests."""
-    predicted = Column("predicted from the others (95 % interval)", "m/s")
-    return Table.of(
-        tests,
-        Column.of("name", label="test", prose=True),
-        *Column.of_each(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
-        Column.of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
-        (Column("measured", "m/s"), own_measured),
-        Column.of("computed_m_s", ".0f", "computed"),
-        (predicted, lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})"),
-        (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
-    )
-
-
-def own_measured(test: OwnTest) -> str:
-    """Return what an own test measured, m/s, with its standard deviation, such as "at least 820 ± 15"."""
-    deviation = f" ± {test.uncertainty_m_s:.0f}" if test.uncertainty_m_s else ""
-    return f"{test.bound}{' ' * bool(test.bound)}{test.measured_m_s:.0f}{deviation}"
-
-
 @tables_of.register
 def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     """Return the fitted inputs, the tests, and those that deviate most; with `every_row`, all details of the fit."""
@@ -323,14 +301,6 @@ def _further(result: FiringResult) -> str:
     return f"{shot} would bound V50: {lower}{interval(further.interval_m_s, '.0f')} m/s"
 
 
-def second_note(fit: FittedCurve | None) -> list[str]:
-    """Return a note on a second curve that fits the shots nearly as well as the recommended one, if there is one."""
-    if fit is None or fit.second_v50_m_s is None:
-        return []
-    first, second = f"{fit.v50_m_s:.1f} (scatter {fit.scale_m_s:.1f})", f"{fit.second_v50_m_s:.1f}"
-    return [f"as likely as V50 {first} is {second} m/s (scatter {fit.second_scale_m_s:.1f}): further shots decide"]
-
-
 def points(result: FiringResult) -> dict[str, str]:
     """Return the points of the recommended curve that were asked for, with their intervals, by label."""
     points, level = {}, percent(result.confidence)
@@ -411,7 +381,7 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
     good = result.decision == "met" if result.decision else None
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=good)]
     shown += [VerdictLine(_v50_words(result))] if result.decision else []
-    shown += [Table.of_facts(_facts_of(result)), *second_note(result.recommended)]
+    shown.append(Table.of_facts(_facts_of(result)))
     if not result.question.get("every_row"):
         return shown
     if result.consumers_risk is not None and result.producers_risk is not None:
