@@ -13,12 +13,20 @@ from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
 from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
-from armour.planning.shot_file import content_of, locked, with_shot, without_last
+from armour.planning.shot_file import content_of, locked, with_shot
 from armour.scenario.keys import describe
 from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
 
 # Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
+
+
+def read_firing(
+    table: Path, where: Mapping[str, str], sheet: str | None, ignore: Sequence[str], *, one_kind: bool = True
+) -> Shots:
+    """Read shots, and say how if that was not obvious; `where` has values of columns, `sheet` is that of a workbook."""
+    fired = armour.read_shots(table, one_kind=one_kind, where=where, sheet=sheet, ignore=ignore)
+    return say_how_read(table, fired)
 
 
 def each_result(
@@ -31,18 +39,15 @@ def each_result(
 ) -> EachResult:
     """Call `answer` with the shots for each value of a column; name each result by column and value, as "panel A".
 
-    `where` has the values of other columns that rows must have, and `sheet` is that of a workbook.  Shots that have no
-    answer do not stop the others.
+    The other arguments are as for `read_firing`.  Shots that have no answer do not stop the others.
     """
     results, unanswered = {}, {}
     for name, value in lots_of(table, column, where, sheet, ignore):
-        chosen = {**where, name: value}
         try:
-            fired = armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore)
+            fired = read_firing(table, {**where, name: value}, sheet, ignore)
         except InputError as error:
             problems = [problem._replace(key=f"{name} {value}: {problem.key}") for problem in error.problems]
             raise InputError(problems) from None  # options that suit this lot need not suit the others
-        say_how_read(table, fired)
         try:
             results[f"{name} {value}"] = answer(fired)
         except NoAnswerError as error:
@@ -58,7 +63,7 @@ def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots
     """Read earlier firings: each table is one, or several if it has shots at several targets."""
     try:
         return [
-            say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
+            read_firing(table, chosen, None, ignore, one_kind=False)
             for table in tables
             for chosen in [{name: value} for name, value in firings_of(table, ignore)] or [{}]
         ]
@@ -69,43 +74,38 @@ def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots
 def next_plan(
     plan: Callable[..., ShotPlan],
     table: Path | None,
+    each: str | None,
     where: Mapping[str, str],
     sheet: str | None,
     ignore: Sequence[str],
-    each: str | None,
 ) -> EachResult | ShotPlan:
     """Return what `plan` returns for the shots of a table or, with `each`, for each value of this column.
 
     Without a table, and before the first shot has been written into it, `plan` is called with None.
     """
-    if table is None:
-        return plan(None)
-    is_new = table.suffix == ".csv" and not exists(table)
+    is_new = table is not None and table.suffix == ".csv" and not exists(table)
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-    if each is not None:
+    if table is not None and each is not None:
         return each_result(plan, table, each, where, sheet, ignore)
-    if is_new:
-        return plan(None)
-    fired = armour.read_shots(table, one_kind=True, where=where, sheet=sheet, ignore=ignore)
-    return plan(say_how_read(table, fired))
+    return plan(None if table is None or is_new else read_firing(table, where, sheet, ignore))
 
 
 def plan_after(
     plan: Callable[..., ShotPlan],
     stack: ExitStack,
     table: Path,
-    result: str,
-    velocity_m_s: float | None,
+    shot: tuple[str, float | None, str],
     where: Mapping[str, str],
     ignore: Sequence[str],
-    target: str,
 ) -> tuple[ShotPlan, list[Note], Files]:
-    """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
+    """Plan the next shot after adding one to a table.
 
-    Return the plan, its notes and those on the added shot, and the table as a file to write, which names the ``target``
-    if it is new.  The table stays locked until ``stack`` is closed.
+    ``shot`` has its result, its velocity, m/s, by default the planned one, and its target, which a new table names.
+    Return the plan, its notes and those on the added shot, and the table as a file to write.  The table stays locked
+    until ``stack`` is closed.
     """
+    result, velocity_m_s, target = shot
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
@@ -130,28 +130,10 @@ def plan_after(
     after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
-    return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
 
-
-def plan_without_last(
-    plan: Callable[..., ShotPlan], stack: ExitStack, table: Path, where: Mapping[str, str], ignore: Sequence[str]
-) -> tuple[ShotPlan, list[Note], Files]:
-    """Plan the next shot after taking the last one back from a table; see `plan_after`."""
-    stack.enter_context(locked(table))
-    earlier_content = content_of(table)
-    content, taken = without_last(table, where, ignore)
-    source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
-    say(f"note: {table}: without {taken}")
-    return after, [*after.notes], {table: _replacing(table, earlier_content, content)}
-
-
-def _replacing(table: Path, earlier: bytes | None, content: bytes) -> Callable[[Path], bytes]:
-    """Return a function that returns the content of a table to write, unless it is no longer the earlier one."""
-
-    def replaced(_path: Path) -> bytes:
-        if content_of(table) != earlier:
+    def added(_path: Path) -> bytes:
+        if content_of(table) != earlier_content:
             raise mistake(table, "", "cannot be written: it has changed since it was read; repeat the command")
         return content
 
-    return replaced
+    return after, [*notes, *after.notes], {table: added}

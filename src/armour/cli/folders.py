@@ -6,29 +6,23 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from armour.cli.console import say
-from armour.cli.options import flag
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import read_toml, reason
 
-# More files are read only with --yes, in case the folder is a whole disk.
-MOST_FILES = 1000
-YES = flag(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
 # A TOML file is a scenario if it has one of these sections.
 OF_SCENARIO = ("impact", "threat", "armour")
 
 
-def scenario_paths(sources: Sequence[Path], *, yes: bool) -> list[Path]:
+def scenario_paths(sources: Sequence[Path]) -> list[Path]:
     """Replace each folder among paths and names of scenarios by the scenarios in it and in the folders below.
 
-    Without ``yes``, more than MOST_FILES files in folders are refused.  A note counts the files that are skipped.
+    A note counts the files that are skipped.
     """
     skipped = Counter[tuple[str, str]]()
     files = {source: _toml_files(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
-    number = sum(map(len, files.values()))
-    if number > MOST_FILES and not yes:
-        raise mistake("command line", "", f"{number:,} .toml files in folders; --yes to go on")
     scenarios = {source: [path for path in paths if _is_scenario(path)] for source, paths in files.items()}
-    skipped["file", " without [impact], [[threat]] or [armour]"] = number - sum(map(len, scenarios.values()))
+    others = sum(map(len, files.values())) - sum(map(len, scenarios.values()))
+    skipped["file", " without [impact], [[threat]] or [armour]"] = others
     parts = [counted(count, noun) + rest for (noun, rest), count in sorted(skipped.items()) if count]
     if parts:
         say(f"note: skipped {', '.join(parts)}")
