@@ -131,13 +131,7 @@ def _plan() -> None:
 
 # Commands by their heading in the help.
 COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {
-    "Decide": (
-        init,
-        scenario_commands.check,
-        scenario_commands.optimise,
-        scenario_commands.report,
-        library,
-    ),
+    "Decide": (init, scenario_commands.check, scenario_commands.optimise, scenario_commands.report, library),
     "Use your tests": (experiments.plan_shots, experiments.v50, experiments.calibrate),
     "Study the model": (
         scenario_commands.simulate,

@@ -294,7 +294,8 @@ def plan_shots(
     table, scenario = _in_order(table, scenario)
     loaded = _scenario_of(scenario, changes, "plan_shots")
     is_fired = result is not None
-    check_outputs((plot, PICTURE), inputs=[loaded, *([] if is_fired else [table]), *(earlier or ())], force=force)
+    inputs, updated = [loaded, table, *(earlier or ())], table if is_fired else None
+    check_outputs((plot, PICTURE), inputs=inputs, updated=updated, force=force)
     needing_table = {"--where": where, "--sheet": sheet, "--each": each, "--result": result}
     excluded_by_result = {"--simulate": simulate, "--sheet": sheet, "--each": each}
     check_options(
@@ -310,8 +311,6 @@ def plan_shots(
         ),
         ("--plot", plot and each is not None, "must be given without --each"),
     )
-    if is_fired:
-        check_outputs((plot, PICTURE), updated=table, force=force)
     settings = options.given(procedure=procedure, half_width_m_s=half_width_m_s, confidence=confidence, prior=prior)
     settings |= options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
     settings |= options.given(scatter_percent=scatter_percent, scatter_factor=scatter_factor, simulate=simulate)

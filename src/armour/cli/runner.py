@@ -123,12 +123,7 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
 
 
 def read_scenario(
-    path: Path,
-    assignments: Iterable[str] | None,
-    asked: Answer,
-    probability: Any = None,
-    *,
-    by_model: bool = False,
+    path: Path, assignments: Iterable[str] | None, asked: Answer, probability: Any = None, *, by_model: bool = False
 ) -> Scenario:
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
@@ -152,8 +147,7 @@ def read_scenario(
         return required
     if any(required.required_probabilities()):
         raise wrong_option(
-            "--by-model",
-            "must be given without a required probability, as the model has none; leave it out",
+            "--by-model", "must be given without a required probability, as the model has none; leave it out"
         )
     return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
@@ -193,11 +187,6 @@ def source_word(file: str | Path) -> str:
     return f"./{file}" if str(file).startswith("-") and str(file) != "-" else str(file)
 
 
-def set_options(changes: Iterable[str]) -> list[str]:
-    """Return changes as words of a command line, each after ``--set``."""
-    return [word for change in changes for word in ("--set", change)]
-
-
 def _blamed(problem: Problem, changed: Iterable[str]) -> Problem:
     """Restate a problem under ``--set`` if this changed its key, a table around the key, or a value within it."""
     if any(key in upwards(problem.key) or problem.key in upwards(key) for key in changed):
@@ -224,21 +213,17 @@ def answer(
     result.of(every_row=verbose)
     tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
-    show_answer(data, tables, as_json=as_json, scenario=scenario)
+    show_answer(data, tables, scenario, as_json=as_json)
     shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
 
 def show_answer(
-    data: Mapping[str, Any] | Sequence[Mapping[str, Any]],
-    tables: Iterable[Table | str],
-    *,
-    as_json: bool,
-    scenario: Scenario | None = None,
+    data: Mapping[str, Any], tables: Iterable[Table | str], scenario: Scenario | None = None, *, as_json: bool
 ) -> None:
     """Show an answer as tables or, as JSON, with the command and versions that made it."""
     if as_json:
-        show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
+        show_json({**data, "made_by": origin_of(scenario)})
     elif shown := [*tables]:
         show(*shown)
 
@@ -295,12 +280,9 @@ def command_line() -> str:
 
 
 def _without_folders(word: str) -> str:
-    """Return a word of a command line; make an absolute path relative, or reduce it to its name, to hide folders."""
+    """Return a word of a command line; reduce an absolute path to its name, as its folders are nobody's business."""
     option, equals, text = word.rpartition("=")
-    path = Path(text)
-    if not path.is_absolute():
-        return word
-    return option + equals + (str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name)
+    return option + equals + Path(text).name if Path(text).is_absolute() else word
 
 
 def warnings_of(scenario: Scenario | None, warnings: Iterable[Note], file: str = "", *, verbose: bool) -> list[str]:

@@ -116,7 +116,7 @@ def check(
     ),
     cases: Path | None = options.file(
         "Table of offers: check, in place of the armour of the scenario, that of each row: ceramic, metal, their "
-        "thicknesses and the price per m².",
+        "thicknesses and the price per m²."
     ),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
@@ -263,11 +263,8 @@ def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], wo
 def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
     """Return the options given as words of another command, without changes that it does not read."""
     asked = [] if probability is None else ["--probability", f"{probability:g}"]
-    return [
-        *asked,
-        *["--by-model"] * by_model,
-        *runner.set_options(runner.accepted(changes or (), ANSWERS[command].reads)),
-    ]
+    read = runner.accepted(changes or (), ANSWERS[command].reads)
+    return [*asked, *["--by-model"] * by_model, *(word for change in read for word in ("--set", change))]
 
 
 def optimise(
@@ -412,9 +409,7 @@ def uncertainty(
 def sweep(
     scenario: Path = options.SCENARIO,
     output: Path | None = options.file(
-        "Table to write, .csv or .parquet; without it, the first rows are printed and none are kept.",
-        "--output",
-        "-o",
+        "Table to write, .csv or .parquet; without it, the first rows are printed and none are kept.", "--output", "-o"
     ),
     over: list[str] | None = options.text(
         "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",

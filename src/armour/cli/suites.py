@@ -14,7 +14,7 @@ import armour
 from armour.cli import completion, options, runner
 from armour.cli.console import progress, say, show
 from armour.cli.runner import check_outputs
-from armour.errors import Problem, mistake, refuse
+from armour.errors import mistake
 from armour.files import suite_file
 from armour.reporting.table import Table, csv_text
 from armour.scenario.keys import changes_of
@@ -54,9 +54,10 @@ def validate(
     from armour.validation import validate as judging
 
     path = suite_file("paper" if suite is None else suite)
-    wrong = ["must be given a suite of your own; published values are not replaced"] if path != suite else []
-    wrong += ["must not be given with --set, whose changes are not in the suite"] if changes else []
-    refuse(Problem("validate", "--update", message) for message in wrong if update)
+    runner.check_options(
+        ("--update", update and path != suite, "must be given a suite of your own; published values are not replaced"),
+        ("--update", update and changes, "must not be given with --set, whose changes are not in the suite"),
+    )
     updated = suite if update else None
     with runner.mistakes_in(junit, [path], force=force):
         loaded = armour.load_suite(path, changes_of(changes or ()))

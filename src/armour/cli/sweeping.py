@@ -81,7 +81,7 @@ def write_and_show(
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities, drawn=plot is not None))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     data = {"rows": source.count, "output": str(output)}
-    runner.show_answer(data, shown, as_json=as_json, scenario=scenario)
+    runner.show_answer(data, shown, scenario=scenario, as_json=as_json)
 
     def figure() -> Any:
         from armour.reporting.pictures import drawing, sweeps
@@ -93,12 +93,7 @@ def write_and_show(
 
 
 def show_rows(
-    scenario: Scenario,
-    source: Grid | SweepCases,
-    quantities: Sequence[str],
-    plot: Path | None,
-    *,
-    as_json: bool,
+    scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str], plot: Path | None, *, as_json: bool
 ) -> None:
     """Compute a sweep without a table to write, show its first rows, and draw the first quantity to ``plot``."""
     with progress("rows", source.count) as count:
@@ -106,7 +101,7 @@ def show_rows(
         count(source.count, None)
     data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
     tables = () if as_json else tables_of_sweep(result)
-    runner.show_answer(data, tables, as_json=as_json, scenario=scenario)
+    runner.show_answer(data, tables, scenario=scenario, as_json=as_json)
     warnings = [*_notes(quantities, drawn=plot is not None), *(f"warning: {note}" for note in result.notes)]
     runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)}, warnings)
 
