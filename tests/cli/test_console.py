@@ -23,15 +23,6 @@ from tests.helpers.cases import SCENARIOS
 pytestmark = pytest.mark.slow
 
 
-def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pytest.CaptureFixture[str]):
-    text = "é µ\x1b\x9b\u202e\ufffe\udcff\U000e0001"
-    show_json({text: [text, float("nan"), (float("-inf"), 0.1 + 0.2)], "n": None})
-    shown = capsys.readouterr().out
-    assert json.loads(shown) == {text: [text, None, [None, 0.1 + 0.2]], "n": None}
-    assert shown.isascii()
-    assert all(line.isprintable() for line in shown.splitlines())
-
-
 @pytest.mark.parametrize(
     "words",
     ["optimise a.toml", "check a.toml", "simulate a.toml", "sensitivity a.toml", "library --json", "optimise b"],
@@ -152,3 +143,12 @@ def test_searches_count_their_impacts(command: str, cli, monkeypatch: pytest.Mon
     result = cli(*command.split(), SCENARIOS / "wilkins.toml", "--json")
     assert result.exit_code == 0
     assert sum(counted) >= json.loads(result.stdout).get("runs", 8)
+
+
+def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pytest.CaptureFixture[str]):
+    text = "é µ\x1b\x9b\u202e\ufffe\udcff\U000e0001"
+    show_json({text: [text, float("nan"), (float("-inf"), 0.1 + 0.2)], "n": None})
+    shown = capsys.readouterr().out
+    assert json.loads(shown) == {text: [text, None, [None, 0.1 + 0.2]], "n": None}
+    assert shown.isascii()
+    assert all(line.isprintable() for line in shown.splitlines())

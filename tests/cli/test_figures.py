@@ -39,15 +39,3 @@ def test_a_parity(cli, folder: Path):
     with (folder / "figs/parity_table3.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 3 * 13
     assert "agreement" in (folder / "figs/parity_table3.svg").read_text()
-
-
-def test_a_file_in_the_way(cli, folder: Path):
-    (folder / "figs").write_text("")
-    assert cli.fails(2, "figures", "figs") == ["figs: cannot be written to: not a directory"]
-
-
-@pytest.mark.usefixtures("folder")
-def test_an_unknown_format(cli):
-    result = cli("figures", "figs", "--format", "bmp")
-    assert result.exit_code == 2
-    assert "png" in result.stderr

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.quantities import QUANTITIES
 from armour.cli.sweeping import ANSWERED
 from armour.scenario.scenario import load_scenario
 from armour.sweeps.tables import read_table
@@ -40,20 +39,6 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert "ballistic limit, m/s" in svg
     assert "kg/m²" in svg
     assert not (folder / "t.csv.parts").exists()
-
-
-@pytest.mark.parametrize(
-    "over", [(f"{CERAMIC}=6,7",), (f"{CERAMIC}=6,7", "armour.backing_thickness_mm=5,6")], ids=["curve", "map"]
-)
-@pytest.mark.usefixtures("folder")
-def test_a_picture_of_no_number_says_so(cli, over: tuple[str, ...]):
-    grid = [word for values in over for word in ("--over", values)]
-    slow = ("--set", "ballistic_limit.velocity_max_m_s=100")
-    result = cli("sweep", WILKINS, *grid, *slow, "-o", "t.csv", "--plot", "t.svg")
-    assert result.exit_code == 0
-    assert result.stderr.splitlines()[-1] == "wrote t.svg"
-    rows = 2 ** len(over)
-    assert f"{rows} of {rows} rows have no ballistic limit." in Path("t.svg").read_text()
 
 
 def test_without_a_file_the_answers_are_printed(cli, folder: Path):
@@ -91,12 +76,6 @@ def test_what_needs_a_file(cli, words: tuple[str, ...], found: str):
     assert cli.fails(2, "sweep", WILKINS, *words) == [f"command line: {found}"]
 
 
-@pytest.mark.parametrize("output", [".", "/"])
-@pytest.mark.usefixtures("folder")
-def test_a_folder_is_no_table(cli, output: str):
-    assert cli.fails(2, "sweep", WILKINS, *OVER, "-o", output) == [f"{output or '.'}: cannot be written: is a folder"]
-
-
 def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt
@@ -132,13 +111,6 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     monkeypatch.setattr("armour.cli.runner.ANNOUNCED_S", 0.0)
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
     assert result.stderr.splitlines() == ["1 row; about 1 second", "wrote t.csv: 1 row"]
-
-
-def test_the_help_and_the_page_list_every_quantity(cli):
-    text = " ".join(cli("sweep", "--help").stdout.split()).replace("│ │", "")
-    assert [name for name in QUANTITIES if name not in text] == []
-    page = (SCENARIOS.parent / "docs" / "howto" / "sweep.md").read_text(encoding="utf-8")
-    assert [name for name in QUANTITIES if f"`{name}`" not in page] == []
 
 
 KILLED = """

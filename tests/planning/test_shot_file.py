@@ -6,7 +6,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.planning import shot_file
-from armour.planning.shot_file import locked, with_shot, without_last
+from armour.planning.shot_file import locked, with_shot
 from armour.statistics.v50 import read_shots
 
 
@@ -87,22 +87,6 @@ def test_a_shot_has_what_the_others_have(tmp_path: Path, text: str, encoding: st
     path.write_bytes(with_shot(path, 750.0, "complete"))
     assert path.read_bytes().decode(encoding) == text + row
     assert read_shots(path).complete == (False, True, True)
-
-
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_the_last_shot_that_counts_is_taken_back(tmp_path: Path, encoding: str, end: str):
-    rows = ("n\u00b0;v (m/s);r\u00e9sultat;valable;plaque", "1;700;PP;oui;A", "2;720,5;CP;oui;A", "3;710;PP;oui;B", "")
-    path, text = tmp_path / "s.csv", end.join((*rows[:-1], "4;750;CP;non;B", "moyenne;715;;;", ""))
-    path.write_bytes(text.encode(encoding))
-    for where, taken in ((None, rows[3]), ({"plaque": "A"}, rows[2])):
-        content, said = without_last(path, where)
-        assert content.decode(encoding) == text.replace(taken + end, "")
-        assert said == f"line {rows.index(taken) + 1}, {taken}"
-    for none in ("", "velocity_m_s,result\n", "velocity_m_s,result,counts\n700,P,no\n"):
-        path.write_text(none)
-        with pytest.raises(InputError, match="must have a shot to take back, found none"):
-            without_last(path)
 
 
 def test_a_new_file_says_what_the_shots_are_at(tmp_path: Path):

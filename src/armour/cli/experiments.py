@@ -78,7 +78,7 @@ def v50(
     loaded = _scenario_of(scenario, changes, "v50")
     outputs = (csv, CSV), (plot, PICTURE), (report, REPORT_ENDINGS)
     check_outputs(*outputs, inputs=[table, loaded], force=force)
-    only_one = "must not be given with --each"
+    only_one = "must be given without --each"
     check_options(("--csv", csv and each is not None, only_one), ("--plot", plot and each is not None, only_one))
     settings = options.given(pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior, at_m_s=at_m_s)
     required = options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)

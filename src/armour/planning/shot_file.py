@@ -2,7 +2,7 @@
 
 import csv
 import os
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import StringIO
 from itertools import chain
@@ -11,10 +11,10 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
-from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
+from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of
 from armour.errors import mistake
 from armour.files import reason
-from armour.statistics.v50 import SHOTS, TARGET, Shots, is_of_shots
+from armour.statistics.v50 import TARGET, Shots, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
 # Time to wait for other commands that are adding shots to the same file; each command takes a second or two.
@@ -88,26 +88,11 @@ def with_shot(
     return content + (begun + line.getvalue()).encode(encoding)
 
 
-def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Collection[str] = ()) -> tuple[bytes, str]:
-    """Return the content of a file of shots without the last one that counts and `where` chooses, and its line."""
-    content = content_of(path) or b""
-    source = _csv_source(path, content)
-    rows = read_rows(source, SHOTS, where, 0, ignore, closed=False).rows if source.header else []
-    source.refuse()
-    if not rows:
-        raise mistake(path, "", "must have a shot to take back, found none")
-    encoding = _utf16(content) or "utf-8"
-    errors = "surrogateescape" if encoding == "utf-8" else "strict"
-    lines = [*StringIO(content.decode(encoding, errors), newline="")]
-    taken = lines.pop(int(rows[-1].place.removeprefix("line ")) - 1)
-    return "".join(lines).encode(encoding, errors), f"{rows[-1].place}, {taken.strip()}"
-
-
 def _csv_source(path: Path, content: bytes) -> Source:
     """Open a file of shots that is to be changed; refuse any other than CSV."""
     source = open_table(path, is_of_shots, content=content)
     if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
-        raise mistake(path, "", "must be a CSV file for a shot to be added or taken back")
+        raise mistake(path, "", "must be a CSV file for a shot to be added")
     return source
 
 
