@@ -19,6 +19,10 @@ from armour.scenario.inputs import NAMES
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario, parse_scenario
 
+SHOTS = (
+    "CSV file with the columns velocity_m_s and result (stopped or perforated, or partial and complete). "
+    "`armour init FILE.csv --from tests/shots` writes an example."
+)
 WHERE = options.text("Read only rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 IGNORE = options.text("Count all rows whatever this column, which is not read, says; repeatable.", metavar="COLUMN")
 EACH = options.text("Give an answer for each value of this column, such as lot.", metavar="COLUMN")
@@ -33,12 +37,7 @@ LIMITS = {
 
 
 def v50(
-    table: Path = options.argument(
-        "SHOTS",
-        'CSV file with the columns velocity_m_s and result ("stopped" or "perforated", or partial and complete). '
-        "`armour init FILE.csv --from tests/shots` writes an example.",
-        autocompletion=completion.tables,
-    ),
+    table: Path = options.argument("SHOTS", SHOTS, autocompletion=completion.tables),
     scenario: Path | None = options.OPTIONAL_SCENARIO,
     pairs: Any = options.number("Shots of each kind in the MIL-STD-662F mean; by default the most allowed of 5, 3, 2."),
     span_m_s: Any = options.number("Greatest span of their velocities, m/s; by default the usual one for 5, 3 or 2."),
@@ -70,7 +69,7 @@ def v50(
     armour v50 tests/shots wilkins --plot v50.svg
     """
     from armour.analysis.estimates import CONFIDENCE
-    from armour.cli.firings import each_result, read_firing
+    from armour.cli.firings import Choice, each_result
     from armour.reporting.formats import REPORT_ENDINGS
     from armour.statistics.v50 import compared
 
@@ -83,19 +82,18 @@ def v50(
     settings = options.given(pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior, at_m_s=at_m_s)
     required = options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
     settings |= options.given(fraction=fraction) | required
-    read = chosen(where), sheet, ignore or ()
+    choice = Choice(chosen(where), ignore or (), sheet)
     with progress("impacts") as count, runner.as_options("v50"):
 
         def estimate(fired: armour.Shots) -> armour.FiringResult:
             return armour.v50(fired, loaded, on_progress=count, **settings)
 
         if each is not None:
-            parts: Any = each_result(estimate, table, each, *read)
+            parts: Any = each_result(estimate, table, each, choice)
             found: Any = compared(parts.results, parts.unanswered)
             results, unanswered = [*found.results.values()], found.unanswered
         else:
-            fired = read_firing(table, *read, one_kind=prior)
-            found = estimate(fired)
+            found = estimate(choice.read(table, one_kind=prior))
             results, unanswered = [found], {}
     files: Files = {csv: lambda _: rows_csv(found), report: lambda path: _record(found, path)}
     answer(found, loaded, files, plot=plot, file=_files_read(table, loaded), as_json=as_json, verbose=verbose)
@@ -125,8 +123,7 @@ def _record(result: Any, path: Path) -> str:
 def calibrate(
     table: Path = options.argument(
         "TESTS",
-        "CSV file of tests. Its columns are test (a name); keys and inputs that differ, such as armour.ceramic; "
-        "and measurements: ballistic_limit_m_s, residual_velocity_m_s, residual_mass_g or outcome. "
+        "CSV file of tests: a row each, with what differs, such as armour.ceramic, and what was measured. "
         "`armour init FILE.csv --from tests/wilkins` writes an example.",
         autocompletion=completion.tables,
     ),
@@ -137,9 +134,7 @@ def calibrate(
         autocompletion=completion.inputs,
     ),
     law: str | None = options.text(
-        "Law of the ceramic's flow stress, whose coefficients are fitted too: constant, ceramic (linear in its "
-        "thickness), backing (a power of the back plate's thickness), product (a power of the product of both) or "
-        "linear (in both). By default the scenario's law.",
+        "Law of the ceramic's flow stress to fit: constant, ceramic, backing, product or linear.",
         metavar="LAW",
         autocompletion=lambda: ["constant", "ceramic", "backing", "product", "linear"],
     ),
@@ -232,12 +227,7 @@ def chosen(where: list[str] | None) -> dict[str, str]:
 
 def plan_shots(
     scenario: Path | None = options.OPTIONAL_SCENARIO,
-    table: Path | None = options.argument(
-        "SHOTS",
-        "CSV file of the shots so far, with the columns velocity_m_s and result (stopped or perforated).",
-        autocompletion=completion.tables,
-        default=None,
-    ),
+    table: Path | None = options.argument("SHOTS", SHOTS, default=None, autocompletion=completion.tables),
     procedure: str | None = options.text(
         "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
         metavar="PROCEDURE",
@@ -263,8 +253,7 @@ def plan_shots(
         autocompletion=completion.tables,
     ),
     result: str | None = options.text(
-        "Result of the shot just fired: stopped (or partial, P, PP, no) or perforated (or complete, C, CP, yes); "
-        "it is appended to SHOTS.",
+        "Result of the shot just fired, stopped or perforated (or P and C), which is appended to SHOTS.",
         metavar="RESULT",
     ),
     velocity_m_s: Any = options.number("Measured velocity of this shot, m/s; by default the planned one."),
@@ -317,7 +306,7 @@ def plan_shots(
     settings |= options.given(true_v50_m_s=true_v50_m_s, true_scatter_m_s=true_scatter_m_s, seed=seed)
     settings |= options.given(velocity_max_m_s=velocity_max_m_s)
     settings |= {} if lower_m_s is None else {"limits_m_s": (lower_m_s, upper_m_s)}
-    rows = chosen(where), sheet, ignore or ()
+    choice = firings.Choice(chosen(where), ignore or (), sheet)
     # The stack keeps a table to which a shot is added locked until it is written.
     with ExitStack() as stack:
         with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
@@ -326,9 +315,9 @@ def plan_shots(
             planned: Any
             if table is not None and result is not None:
                 shot = result, velocity_m_s, "" if loaded is None else loaded.subject(ANY_VELOCITY)
-                planned, notes, files = firings.plan_after(plan, stack, table, shot, chosen(where), ignore or ())
+                planned, notes, files = firings.plan_after(plan, stack, table, shot, choice)
             else:
-                planned = firings.next_plan(plan, table, each, *rows)
+                planned = firings.next_plan(plan, table, each, choice)
                 notes, files = planned.notes, {}
         read = _files_read(table, loaded)
         answer(planned, loaded, files, notes, plot=plot, file=read, as_json=as_json, verbose=verbose)

@@ -1,9 +1,10 @@
 """Answer questions on tables of shots: for each value of a column, for the next shot, and after adding a shot."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from os.path import exists
 from pathlib import Path
+from typing import NamedTuple
 
 import armour
 from armour.analysis.results import EachResult, Result
@@ -21,30 +22,27 @@ from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots
 FAR_FROM_PLAN = 0.1
 
 
-def read_firing(
-    table: Path, where: Mapping[str, str], sheet: str | None, ignore: Sequence[str], *, one_kind: bool = True
-) -> Shots:
-    """Read shots, and say how if that was not obvious; `where` has values of columns, `sheet` is that of a workbook."""
-    fired = armour.read_shots(table, one_kind=one_kind, where=where, sheet=sheet, ignore=ignore)
-    return say_how_read(table, fired)
+class Choice(NamedTuple):
+    """Which rows of a table are read: values by column, columns to ignore, and the sheet of a workbook."""
+
+    where: dict[str, str] = {}
+    ignore: Sequence[str] = ()
+    sheet: str | None = None
+
+    def read(self, table: Path, *, one_kind: bool = True) -> Shots:
+        """Read shots, and say how if that was not obvious."""
+        return say_how_read(table, armour.read_shots(table, one_kind=one_kind, **self._asdict()))
 
 
-def each_result(
-    answer: Callable[[Shots], Result],
-    table: Path,
-    column: str,
-    where: Mapping[str, str],
-    sheet: str | None,
-    ignore: Sequence[str],
-) -> EachResult:
+def each_result(answer: Callable[[Shots], Result], table: Path, column: str, choice: Choice) -> EachResult:
     """Call `answer` with the shots for each value of a column; name each result by column and value, as "panel A".
 
-    The other arguments are as for `read_firing`.  Shots that have no answer do not stop the others.
+    Shots that have no answer do not stop the others.
     """
     results, unanswered = {}, {}
-    for name, value in lots_of(table, column, where, sheet, ignore):
+    for name, value in lots_of(table, column, choice.where, choice.sheet, choice.ignore):
         try:
-            fired = read_firing(table, {**where, name: value}, sheet, ignore)
+            fired = choice._replace(where={**choice.where, name: value}).read(table)
         except InputError as error:
             problems = [problem._replace(key=f"{name} {value}: {problem.key}") for problem in error.problems]
             raise InputError(problems) from None  # options that suit this lot need not suit the others
@@ -63,7 +61,7 @@ def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots
     """Read earlier firings: each table is one, or several if it has shots at several targets."""
     try:
         return [
-            read_firing(table, chosen, None, ignore, one_kind=False)
+            Choice(chosen, ignore).read(table, one_kind=False)
             for table in tables
             for chosen in [{name: value} for name, value in firings_of(table, ignore)] or [{}]
         ]
@@ -72,12 +70,7 @@ def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots
 
 
 def next_plan(
-    plan: Callable[..., ShotPlan],
-    table: Path | None,
-    each: str | None,
-    where: Mapping[str, str],
-    sheet: str | None,
-    ignore: Sequence[str],
+    plan: Callable[..., ShotPlan], table: Path | None, each: str | None, choice: Choice
 ) -> EachResult | ShotPlan:
     """Return what `plan` returns for the shots of a table or, with `each`, for each value of this column.
 
@@ -87,17 +80,12 @@ def next_plan(
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
     if table is not None and each is not None:
-        return each_result(plan, table, each, where, sheet, ignore)
-    return plan(None if table is None or is_new else read_firing(table, where, sheet, ignore))
+        return each_result(plan, table, each, choice)
+    return plan(None if table is None or is_new else choice.read(table))
 
 
 def plan_after(
-    plan: Callable[..., ShotPlan],
-    stack: ExitStack,
-    table: Path,
-    shot: tuple[str, float | None, str],
-    where: Mapping[str, str],
-    ignore: Sequence[str],
+    plan: Callable[..., ShotPlan], stack: ExitStack, table: Path, shot: tuple[str, float | None, str], choice: Choice
 ) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after adding one to a table.
 
@@ -113,7 +101,7 @@ def plan_after(
     earlier_content = content_of(table)
     fired = Shots((), (), str(table))
     if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=where, ignore=ignore)
+        fired = armour.read_shots(table, one_kind=True, where=choice.where, ignore=choice.ignore)
     before = plan(fired)
     planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
     velocity = planned if velocity_m_s is None else velocity_m_s
@@ -125,9 +113,9 @@ def plan_after(
     if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
         words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
         notes.append(Note(words))
-    content = with_shot(table, velocity, result, where, target)
+    content = with_shot(table, velocity, result, choice.where, target)
     source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=choice.where, ignore=choice.ignore)))
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
 

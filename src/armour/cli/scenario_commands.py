@@ -110,14 +110,10 @@ def compare(
 def check(
     scenario: list[Path] = options.argument(
         "SCENARIO",
-        "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
-        "standard input.",
+        "Scenario files (TOML), folders of them, or names of shipped scenarios; - reads standard input.",
         autocompletion=completion.scenarios,
     ),
-    cases: Path | None = options.file(
-        "Table of offers: check, in place of the armour of the scenario, that of each row: ceramic, metal, their "
-        "thicknesses and the price per m²."
-    ),
+    cases: Path | None = options.file("Table of offers: check the armour of each row in place of the scenario's."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
     junit: Path | None = options.file("Write the results as JUnit XML; such a file is replaced."),
@@ -126,8 +122,7 @@ def check(
     probability: Any = options.PROBABILITY,
     by_model: bool = options.BY_MODEL,
     against: Path | None = options.file(
-        "Also list what moved since an earlier check of the same scenarios, whose --json this file has; exit code 3 if "
-        "a requirement or threat is weaker or missing, or if [uncertainty], own tests or own materials changed."
+        "Also list what moved since an earlier check, whose --json this file has; exit code 3 if anything is weaker."
     ),
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
@@ -269,9 +264,7 @@ def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_
 
 def optimise(
     scenario: Path = options.SCENARIO,
-    csv: Path | None = options.file(
-        "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
-    ),
+    csv: Path | None = options.file("Write the Pareto front as CSV, or else the thinnest ceramic for each plate."),
     page: Path | None = options.file("Write an interactive map of all designs, .html.", "--map"),
     save: Path | None = options.file("Write the scenario with the best design as its armour, .toml."),
     changes: list[str] | None = options.CHANGES,
@@ -408,18 +401,13 @@ def uncertainty(
 
 def sweep(
     scenario: Path = options.SCENARIO,
-    output: Path | None = options.file(
-        "Table to write, .csv or .parquet; without it, the first rows are printed and none are kept.", "--output", "-o"
-    ),
+    output: Path | None = options.file("Table to write, .csv or .parquet, in place of a few rows.", "--output", "-o"),
     over: list[str] | None = options.text(
         "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
         metavar="KEY=VALUES",
         autocompletion=completion.axes,
     ),
-    cases: Path | None = options.file(
-        "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
-        "gives their values, such as SiC."
-    ),
+    cases: Path | None = options.file("CSV file of cases, in place of --over: a row each, below the names of keys."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
     quantities: str | None = options.text(
@@ -431,9 +419,7 @@ def sweep(
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
     scheduler: str = options.text(
-        'Compute on the Dask cluster at this address; "local" starts one on this machine.',
-        metavar="ADDRESS",
-        default="",
+        "Compute on the Dask cluster at this address, or local.", metavar="ADDRESS", default=""
     ),
     yes: bool = options.flag("Run a sweep even if it takes hours or more disk space than is free.", "--yes"),
     changes: list[str] | None = options.CHANGES,

@@ -23,9 +23,8 @@ from armour.scenario.keys import changes_of
 def validate(
     suite: Path | None = options.argument(
         "SUITE",
-        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. A [[case]] has name, "
-        "scenario, quantity, expected, and band or band_percent. `armour init FILE.toml --from SCENARIO.toml` writes "
-        "one.",
+        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. "
+        "`armour init FILE.toml --from SCENARIO.toml` writes one.",
         autocompletion=completion.suites,
         default=None,
     ),
