@@ -3,7 +3,6 @@
 What is printed is in golden/.
 """
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -54,20 +53,6 @@ def test_warnings_in_json_are_those_printed(cli):
     assert len(data["warnings"]) == 4
     whole = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "-v").stderr
     assert whole.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
-
-
-def test_the_history_of_an_impact(cli, folder: Path):
-    assert cli("simulate", WILKINS, "--history", "h.csv", "--json").stderr == "wrote h.csv\n"
-    with (folder / "h.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert float(rows[-1]["depth_mm"]) == pytest.approx(12.7)
-
-
-def test_a_frontier_and_a_front_as_csv(cli, folder: Path):
-    assert cli("optimise", WILKINS, "--csv", "f.csv").exit_code == 0
-    assert (folder / "f.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm,backing_thickness_mm,areal")
-    assert cli("optimise", CATALOGUE, "--csv", "p.csv").exit_code == 0
-    assert (folder / "p.csv").read_text().startswith("ceramic,backing,ceramic_thickness_mm")
 
 
 def test_a_saved_design_is_checked_as_it_was_found(cli, folder: Path):

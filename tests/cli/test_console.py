@@ -9,13 +9,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from armour.cli import experiments, scenario_commands
 from armour.cli.app import app
 from armour.cli.console import progress, show_json
 from tests.helpers.cases import SCENARIOS
@@ -118,31 +116,6 @@ def test_the_rate_is_that_of_what_is_computed(monkeypatch: pytest.MonkeyPatch):
     *_, rate = re.findall(r"([\d,.]+) rows/s", terminal.getvalue())
     assert 0.0 < float(rate.replace(",", "")) <= 10.0 / 0.1
     assert "90011/100000" in terminal.getvalue()
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        "simulate",
-        "ballistic-limit",
-        "compare",
-        f"v50 {SCENARIOS / 'tests' / 'shots.csv'}",
-        "plan shots --half-width-m-s 90",
-    ],
-)
-def test_searches_count_their_impacts(command: str, cli, monkeypatch: pytest.MonkeyPatch):
-    """With short time steps each takes seconds."""
-    counted = []
-
-    @contextmanager
-    def progress(_what: str, _total: int | None = None) -> Iterator[Callable[..., None]]:
-        yield lambda count, _total=None: counted.append(count)
-
-    for module in (scenario_commands, experiments):
-        monkeypatch.setattr(module, "progress", progress)
-    result = cli(*command.split(), SCENARIOS / "wilkins.toml", "--json")
-    assert result.exit_code == 0
-    assert sum(counted) >= json.loads(result.stdout).get("runs", 8)
 
 
 def test_json_has_no_number_without_a_value_and_no_control_character(capsys: pytest.CaptureFixture[str]):

@@ -8,9 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit
 from armour.cli.sweeping import ANSWERED
-from armour.scenario.scenario import load_scenario
 from armour.sweeps.tables import read_table
 from tests.helpers.cases import SCENARIOS
 
@@ -141,26 +139,6 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
     assert (folder / "t.csv").read_bytes().count(b"\n") == 21 * 3 + 1
-
-
-def test_materials_and_projectiles_by_name(cli, folder: Path):
-    header, rows = (
-        "armour.ceramic,ceramic.flow_stress_GPa,armour.backing,impact.projectile",
-        ("AD85,5.2,6061-T6,7.62 mm AP", "AD99.5,5.9,5083-H3,7.62 mm APM2", "AD85,5.3,6061-T6,7.62 mm AP"),
-    )
-    (folder / "c.csv").write_text("\n".join((header, *rows)))
-    assert cli("sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv").exit_code == 0
-    with (folder / "t.csv").open() as file:
-        found = list(csv.DictReader(file))
-    for row in found:
-        limit = float(row.pop("ballistic_limit_m_s"))
-        case = load_scenario(WILKINS, {**row, "ceramic.flow_stress_GPa": float(row["ceramic.flow_stress_GPa"])})
-        assert ballistic_limit(case).ballistic_limit_m_s == limit
-    (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
-    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
-    assert line.startswith(
-        'c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; choose from 6061-T6 '
-    )
 
 
 FORMULAS = ["=cmd|' /C calc'!A0", "+1", "@x", "-1", "'=y"]

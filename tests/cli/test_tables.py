@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import armour
 from armour import load_scenario, plan_shots, read_shots
 
 SHOTS = "velocity_m_s,result,shot\n700,partial,1\n715,complete,{}\n710,partial,3\n725,complete,4\n"
@@ -115,21 +114,6 @@ def test_labels_of_cases_are_kept_as_they_are(cli, folder: Path):
     first, *rows = (folder / "made.csv").read_text().splitlines()
     assert first == "offer,price,armour.ceramic_thickness_mm,areal_density_kg_m2"
     assert [row.split(",")[:3] for row in rows] == [["A", "0420.50", "6.0"], ["B", "'=1+1", "8.0"]]
-    cases = {"offer": ["A", "B"], "armour.ceramic_thickness_mm": [6.0, 8.0]}
-    result = armour.sweep(armour.load_scenario("wilkins"), cases=cases, keep="offer", quantities="areal_density_kg_m2")
-    assert [*result.columns] == ["offer", "armour.ceramic_thickness_mm", "areal_density_kg_m2"]
-    assert result["offer"].tolist() == ["A", "B"]
-    for keep, message in (
-        ("price", 'keep: must name a column, found "price"'),
-        ("areal_density_kg_m2", "a quantity to"),
-    ):
-        with pytest.raises(armour.InputError, match=message):
-            armour.sweep(
-                armour.load_scenario("wilkins"),
-                cases={**cases, "areal_density_kg_m2": ["1", "2"]},
-                keep=["offer", keep],
-                quantities="areal_density_kg_m2",
-            )
 
 
 def test_an_answer_for_each_panel(cli, folder: Path):
