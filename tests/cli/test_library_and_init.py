@@ -13,19 +13,11 @@ def test_the_library_as_json(cli):
     assert data["ceramic"]["AD85"]["flow_stress_GPa"]["value"] == 5.2
 
 
-def test_a_kind_of_entries_and_those_that_were_tested(cli):
+def test_a_kind_of_entries(cli):
     data = json.loads(cli("library", "--json").stdout)
     metals = json.loads(cli("library", "metals", "--json").stdout)
     assert metals.pop("made_by") == {**data["made_by"], "command": "armour library metals --json"}
     assert metals == {"metal": data["metal"]}
-    tested = json.loads(cli("library", "metals", "--tested", "--json").stdout)["metal"]
-    assert tested["AA5083-H116"] == {**data["metal"]["AA5083-H116"], "tested_with": ["7.62 mm APM2"]}
-    assert "5083-H3" not in tested
-    assert cli("library", "metals", "--tested").stdout.splitlines()[0].endswith("tested with")
-    threats = json.loads(cli("library", "threats", "--tested", "--json").stdout)["threat"]
-    assert {threat["projectile"] for threat in threats.values()} == {"7.62 mm APM2", "14.5 mm B32"}
-    [line] = cli.fails(2, "library", "SiC", "--tested")
-    assert line.startswith("command line: --tested: must not be given")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from armour import __version__, files
 from armour.cli import completion, options
 from armour.cli.console import progress, show, show_json
 from armour.cli.folders import scenario_paths
-from armour.cli.runner import check_outputs, propose, read_each, show_answer, source_word, write, wrong_option
+from armour.cli.runner import check_outputs, propose, read_each, show_answer, source_word, write
 from armour.errors import restated
 from armour.files import shell_line
 from armour.reporting.table import Table, VerdictLine
@@ -31,9 +31,6 @@ def library(
         autocompletion=completion.entries,
         default=None,
     ),
-    tested: bool = options.flag(
-        "List only entries for which tests provide a model error, with what was tested.", "--tested"
-    ),
     as_json: bool = options.AS_JSON,
 ) -> None:
     """List or search rounds, materials and threats.
@@ -46,36 +43,21 @@ def library(
     --------
     armour library
     armour library SiC
-    armour library metals --tested
+    armour library metals
     armour library 7.62 steel
     """
     found = search_library(words or ())
-    partners = None
-    if tested:
-        from armour.validation.tested import tested_with
-
-        partners = tested_with()
-        found = [each for each in found if _in_tests(*each) in partners]
-        if not found:
-            raise wrong_option("--tested", "must not be given: no tests of these provide a model error")
     items: dict[str, dict[str, Any]] = {kind: {} for kind, _, _ in found}
     data: dict[str, dict[str, Any]] = {kind: {} for kind in items}
     for kind, name, item in found:
         items[kind][name] = item
         data[kind][name] = item.model_dump() if kind == "threat" else item.to_dict()
-        if partners is not None:
-            data[kind][name]["tested_with"] = partners[_in_tests(kind, name, item)]
-    tables: list[Table | str] = [*views.tables_by_kind(items, partners)]
-    if len(found) == 1 and not tested:
+    tables: list[Table | str] = [*views.tables_by_kind(items)]
+    if len(found) == 1:
         [(kind, name, item)] = found
         tables = [*tables, f"source: {item.source}"] if kind == "threat" else views.entry_tables(item)
         tables.insert(0, VerdictLine(f"{name} ({kind})"))
     show_answer(data, tables, as_json=as_json)
-
-
-def _in_tests(kind: Any, name: str, item: Any) -> tuple[Any, str]:
-    """Return kind and name of what tests of an entry name: the entry itself, or the projectile of a threat."""
-    return ("projectile", item.projectile) if kind == "threat" else (kind, name)
 
 
 def init(
