@@ -72,7 +72,7 @@ def unix_socket(path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "counted"),
     [
-        (lambda path: path.write_text("[tool]\n"), "1 file without [impact], [[threat]] or [armour]"),
+        (lambda path: path.write_text("[tool]\n"), "1 other .toml file"),
         (lambda path: path.with_name(".x.toml").write_text(FAILS), "1 hidden file"),
         (lambda path: path.with_name(".x").mkdir(), "1 hidden folder"),
         (lambda path: path.symlink_to("b.toml"), "1 link"),
@@ -152,13 +152,6 @@ def test_by_the_model_is_as_excluding_the_model_error(cli, folder: Path):
         )
         assert option.stdout.splitlines()[2:] == key.stdout.splitlines()[2:]
         assert "ed by the model: " in option.stdout
-
-
-@pytest.mark.usefixtures("doors")
-def test_a_plot_is_of_one_scenario(cli):
-    assert cli.fails(2, "check", "doors", "--plot", "p.svg") == [
-        "command line: --plot: must be given with one scenario, not with several or a folder"
-    ]
 
 
 def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):

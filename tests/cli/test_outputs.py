@@ -98,9 +98,8 @@ def test_nothing_that_is_read_is_written_over(cli, own: Path, command: str, read
 def test_a_file_on_standard_input_is_not_written_over(own: Path):
     (own / "own.csv").symlink_to("own.toml")
     before = contents(own)
-    for command in ("simulate - --history own.csv", "sweep - --over impact.velocity_m_s=800 -o own.csv"):
-        code, messages = shell(f"{command} --force < own.toml", own)
-        assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
+    code, messages = shell("simulate - --history own.csv --force < own.toml", own)
+    assert (code, messages) == (2, "own.csv: must not be the file that is read; choose another name\n")
     assert contents(own) == before
 
 
@@ -234,9 +233,7 @@ def test_a_file_name_that_is_no_text(cli, folder: Path):
     assert json.loads(cli("validate", name.replace("w", "s"), "--json").stdout)["suite"] == name.replace("w", "s")
 
 
-@pytest.mark.parametrize(
-    "name", ["::error::x", "x\n::error::y", "x\r::e", "##[error]x", "##vso[x]y", "\x1b[31mx", "\u202ex"]
-)
+@pytest.mark.parametrize("name", ["x\n::error::y", "##vso[x]y", "\x1b[31mx"])
 def test_no_name_of_a_file_is_a_command_of_a_log(cli, folder: Path, name: str):
     path = f"{name}.toml"
     (folder / "a.toml").write_text(WILKINS.read_text().replace("title = ", 'title = "::error::z" # '))

@@ -167,12 +167,3 @@ def test_names_are_no_formulas_and_are_read_again(cli, folder: Path):
             csv.writer(file).writerows(row[:2] for row in rows)
     assert (folder / "first.csv").read_bytes() == (folder / "second.csv").read_bytes()
     assert read_table(folder / "first.csv")["armour.ceramic"].tolist() == FORMULAS
-
-
-def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
-    keys = "projectile.penetrator_diameter_mm,projectile.penetrator_mass_g"
-    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n\n65,5460\n0.65,5.46\n")
-    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv")
-    assert line.startswith("c.csv: line 5: projectile.penetrator_mass_g: must make a rod")
-    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n65,5460\n0.65,0.00546\n")
-    assert cli("sweep", WILKINS, "--cases", "c.csv", "--quantities", "outcome", "-o", "t.csv").exit_code == 0

@@ -78,13 +78,11 @@ def test_each_lot_is_closed(cli, folder: Path):
     """What divides one lot is said of it, and a column that only tells the lots apart divides none."""
     head, shots = "velocity_m_s,result,lot,kiln,gunner\n", [(700, "P"), (720, "C"), (712, "P"), (716, "C")]
     rows = [f"{v},{word},{lot},{kiln},Jones\n" for lot, kiln in (("A", "old"), ("B", "new")) for v, word in shots]
-    (folder / "t.csv").write_text(head + "".join(rows))
-    assert "lot A, without kiln, gunner" in cli("v50", "t.csv", "--each", "lot").stderr
     (folder / "t.csv").write_text(head + "".join([*rows, "750,C,B,new,Smith\n"]))
     line = cli.fails(2, "v50", "t.csv", "--each", "lot")[-1]
     assert line.startswith("t.csv: lot B: gunner: is not read and divides the shots: Jones (4 shots), Smith (1 shot)")
-    for words in (["--where", "gunner=Jones"], ["--ignore", "gunner"]):
-        assert "V50 not found to differ: lot B minus lot A" in cli("v50", "t.csv", "--each", "lot", *words).stdout
+    shown = cli("v50", "t.csv", "--each", "lot", "--ignore", "gunner").stdout
+    assert "V50 not found to differ: lot B minus lot A" in shown
 
 
 def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
@@ -126,7 +124,6 @@ def test_an_answer_for_each_panel(cli, folder: Path):
             ["3", "4"],
         ]
         assert found["Panel B"]["fired"]["read"]["left_out"] == ["line 6"]
-        assert "Panel B: " in cli(*words, "--each", "panel").stdout
         assert cli.fails(2, *words, "--each", "panel", "--plot", "x.svg") == [
             "command line: --plot: must be given without --each"
         ]

@@ -37,10 +37,8 @@ def suite(folder: Path) -> Path:
     ("assignment", "limit"),
     [
         ("model.shear_perimeter=projectile", 538.8),
-        ('model.shear_perimeter = "projectile"', 538.8),
         ('model={shear_perimeter="projectile"}', 538.8),
         ('library.projectile."7.62 mm AP"={based_on="7.62 mm AP", penetrator_diameter_mm=6.2}', 697.2),
-        ('library.projectile."7.62 mm AP".penetrator_diameter_mm=6.2', 697.2),
         ("projectile.penetrator_diameter_mm=6.2", 697.2),
     ],
 )

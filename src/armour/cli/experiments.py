@@ -37,7 +37,7 @@ LIMITS = {
 
 
 def v50(
-    table: Path = options.argument("SHOTS", SHOTS, autocompletion=completion.tables),
+    table: Path = options.argument("SHOTS", SHOTS, words=completion.tables),
     scenario: Path | None = options.OPTIONAL_SCENARIO,
     pairs: Any = options.number("Shots of each kind in the MIL-STD-662F mean; by default the most allowed of 5, 3, 2."),
     span_m_s: Any = options.number("Greatest span of their velocities, m/s; by default the usual one for 5, 3 or 2."),
@@ -71,10 +71,12 @@ def v50(
     from armour.analysis.estimates import CONFIDENCE
     from armour.cli.firings import Choice, each_result
     from armour.reporting.formats import REPORT_ENDINGS
+    from armour.reporting.record import firing_report
     from armour.statistics.v50 import compared
 
     table, scenario = _in_order(table, scenario)
-    loaded = _scenario_of(scenario, changes, "v50")
+    check_options(("--set", changes and scenario is None, "must be given with a scenario"))
+    loaded = None if scenario is None else read_scenario(scenario, changes, ANSWERS["v50"])
     outputs = (csv, CSV), (plot, PICTURE), (report, REPORT_ENDINGS)
     check_outputs(*outputs, inputs=[table, loaded], force=force)
     only_one = "must be given without --each"
@@ -95,7 +97,11 @@ def v50(
         else:
             found = estimate(choice.read(table, one_kind=prior))
             results, unanswered = [found], {}
-    files: Files = {csv: lambda _: rows_csv(found), report: lambda path: _record(found, path)}
+
+    def record(path: Path) -> str:
+        return runner.page(firing_report(found, runner.command_line()), path)
+
+    files: Files = {csv: lambda _: rows_csv(found), report: record}
     answer(found, loaded, files, plot=plot, file=_files_read(table, loaded), as_json=as_json, verbose=verbose)
     if each is None and found.decision == "not decided":
         words = ["--requirement-m-s", f"{requirement_m_s:g}"]
@@ -110,33 +116,20 @@ def v50(
         raise typer.Exit(runner.NO_ANSWER)
 
 
-def _record(result: Any, path: Path) -> str:
-    """Return the record of a firing as the text of a file."""
-    from armour.reporting.formats import report_text
-    from armour.reporting.record import firing_report
-
-    if path.suffix.lower() == ".html":
-        runner.drawing()
-    return report_text(firing_report(result, runner.command_line()), path)
-
-
 def calibrate(
     table: Path = options.argument(
         "TESTS",
-        "CSV file of tests: a row each, with what differs, such as armour.ceramic, and what was measured. "
-        "`armour init FILE.csv --from tests/wilkins` writes an example.",
-        autocompletion=completion.tables,
+        "CSV file of tests. `armour init FILE.csv --from tests/wilkins` writes an example.",
+        words=completion.tables,
     ),
     scenario: Path = options.SCENARIO,
     fit: list[str] | None = options.text(
-        "Input to fit, by default the ceramic's flow stress; repeatable.",
-        metavar="INPUT",
-        autocompletion=completion.inputs,
+        "Input to fit, by default the ceramic's flow stress; repeatable.", metavar="INPUT", words=completion.inputs
     ),
     law: str | None = options.text(
-        "Law of the ceramic's flow stress to fit: constant, ceramic, backing, product or linear.",
+        "Law of the flow stress to fit: constant, ceramic, backing, product or linear.",
         metavar="LAW",
-        autocompletion=lambda: ["constant", "ceramic", "backing", "product", "linear"],
+        words=lambda: ["constant", "ceramic", "backing", "product", "linear"],
     ),
     library: Path | None = options.file("Write a library file with the fitted entries.", "--write"),
     fitted: Path | None = options.file("Write the scenario with the fitted entries.", "--write-scenario"),
@@ -209,15 +202,6 @@ def _files_read(table: Path | None, scenario: Scenario | None) -> str:
     return ", ".join(filter(None, (str(table or ""), scenario.file if scenario else "")))
 
 
-def _scenario_of(path: Path | None, changes: list[str] | None, command: str) -> Scenario | None:
-    """Read a scenario for a command, with the changes of ``--set``; return None without a path."""
-    if path is not None:
-        return read_scenario(path, changes, ANSWERS[command])
-    if changes:
-        raise wrong_option("--set", "must be given with a scenario")
-    return None
-
-
 def chosen(where: list[str] | None) -> dict[str, str]:
     """Return the values by column from the texts "COLUMN=VALUE" of ``--where``."""
     if wrong := [text for text in where or () if "=" not in text]:
@@ -227,11 +211,11 @@ def chosen(where: list[str] | None) -> dict[str, str]:
 
 def plan_shots(
     scenario: Path | None = options.OPTIONAL_SCENARIO,
-    table: Path | None = options.argument("SHOTS", SHOTS, default=None, autocompletion=completion.tables),
+    table: Path | None = options.argument("SHOTS", SHOTS, None, words=completion.tables),
     procedure: str | None = options.text(
-        "Rule for the next velocity: bayesian, neyer, langlie or up-and-down; by default bayesian.",
+        "Rule for the next velocity: bayesian (the default), neyer, langlie or up-and-down.",
         metavar="PROCEDURE",
-        autocompletion=lambda: ["bayesian", "neyer", "langlie", "up-and-down"],
+        words=lambda: ["bayesian", "neyer", "langlie", "up-and-down"],
     ),
     half_width_m_s: Any = options.number("Half width of the interval of V50 that ends the firing, m/s; by default 15."),
     confidence: Any = options.share("Confidence level of the interval, and of the requirement; by default 0.95."),
@@ -248,13 +232,10 @@ def plan_shots(
     lower_m_s: Any = options.number("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = options.number("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
     earlier: list[Path] | None = options.text(
-        "CSV file of an earlier firing at similar armour, whose scatter is pooled with the expected one; repeatable.",
-        metavar="SHOTS",
-        autocompletion=completion.tables,
+        "CSV file of an earlier firing, whose scatter is pooled; repeatable.", metavar="SHOTS", words=completion.tables
     ),
     result: str | None = options.text(
-        "Result of the shot just fired, stopped or perforated (or P and C), which is appended to SHOTS.",
-        metavar="RESULT",
+        "Result of the shot just fired, stopped or perforated (or P and C): append it to SHOTS.", metavar="RESULT"
     ),
     velocity_m_s: Any = options.number("Measured velocity of this shot, m/s; by default the planned one."),
     where: list[str] | None = WHERE,
@@ -281,7 +262,8 @@ def plan_shots(
     from armour.cli import firings
 
     table, scenario = _in_order(table, scenario)
-    loaded = _scenario_of(scenario, changes, "plan_shots")
+    check_options(("--set", changes and scenario is None, "must be given with a scenario"))
+    loaded = None if scenario is None else read_scenario(scenario, changes, ANSWERS["plan_shots"])
     is_fired = result is not None
     inputs, updated = [loaded, table, *(earlier or ())], table if is_fired else None
     check_outputs((plot, PICTURE), inputs=inputs, updated=updated, force=force)

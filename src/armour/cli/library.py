@@ -27,9 +27,9 @@ SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 def library(
     words: list[str] | None = options.argument(
         "WORDS",
-        "A name, or words that the name or the description contains; a kind, such as metals, picks this kind.",
-        autocompletion=completion.entries,
-        default=None,
+        "A name, or words of names and descriptions, or a kind, such as metals.",
+        None,
+        words=completion.entries,
     ),
     as_json: bool = options.AS_JSON,
 ) -> None:
@@ -63,11 +63,10 @@ def library(
 def init(
     file: Path = typer.Argument(Path("scenario.toml"), metavar="FILE", help="File to write to."),
     sources: list[str] | None = options.text(
-        "Copy the shipped scenario, suite, table of tests or notebook of this name. For a file or a folder of "
-        "scenarios, or if repeated, write a suite that watches these scenarios.",
+        "Copy the shipped file of this name; for files or folders of scenarios, write a suite that watches them.",
         "--from",
         metavar="NAME",
-        autocompletion=completion.shipped_names,
+        words=completion.shipped_names,
     ),
     names: bool = options.flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
     force: bool = options.FORCE,

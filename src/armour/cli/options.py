@@ -8,18 +8,17 @@ from typing import Any
 
 import typer
 
-from armour import csv_files
 from armour.cli import completion
 
 
-def argument(metavar: str, description: str, default: Any = ..., **settings: Any) -> Any:
-    """Make a positional argument; it must be given if it has no default, which the help does not show."""
-    return typer.Argument(default, metavar=metavar, help=description, show_default=False, **settings)
+def argument(metavar: str, description: str, default: Any = ..., *, words: Any = None) -> Any:
+    """Make a positional argument, which must be given if it has no default; the shell completes it with the words."""
+    return typer.Argument(default, metavar=metavar, help=description, show_default=False, autocompletion=words)
 
 
-def text(description: str, *names: str, default: Any = None, **settings: Any) -> Any:
-    """Make an option whose value is a text, or several; the help does not show the default."""
-    return typer.Option(default, *names, help=description, show_default=False, **settings)
+def text(description: str, *names: str, default: Any = None, words: Any = None, **settings: Any) -> Any:
+    """Make an option whose value is a text, or several; the shell completes it with the words."""
+    return typer.Option(default, *names, help=description, show_default=False, autocompletion=words, **settings)
 
 
 def flag(description: str, *names: str, **settings: Any) -> Any:
@@ -44,7 +43,9 @@ def share(description: str, *names: str) -> Any:
 
 def parsed_number(word: str) -> float | str:
     """Convert a word to a number; return other words as they are, since the function called refuses them."""
-    value = csv_files.number(word)
+    from armour.csv_files import number
+
+    value = number(word)
     if value is None:
         return word
     return int(value) if word.lstrip("+-").isdigit() else value
@@ -64,9 +65,9 @@ def given(**options: Any) -> dict[str, Any]:
 
 
 SCENARIO_WORDS = "Scenario file (TOML), or name of a shipped scenario; - reads standard input."
-SCENARIO = argument("SCENARIO", SCENARIO_WORDS, autocompletion=completion.scenarios)
-OPTIONAL_SCENARIO = argument("SCENARIO", SCENARIO_WORDS, default=None, autocompletion=completion.scenarios)
-CHANGES = text("Change a key; repeatable.", "--set", metavar="KEY=VALUE", autocompletion=completion.assignments)
+SCENARIO = argument("SCENARIO", SCENARIO_WORDS, words=completion.scenarios)
+OPTIONAL_SCENARIO = argument("SCENARIO", SCENARIO_WORDS, None, words=completion.scenarios)
+CHANGES = text("Change a key; repeatable.", "--set", metavar="KEY=VALUE", words=completion.assignments)
 PROBABILITY = share("Least probability of stopping each threat, such as 0.95.", "--probability", "--confidence")
 BY_MODEL = flag("Answer by the model alone, as if no tests were known; no probability may be required.", "--by-model")
 SHEET = text("Sheet of a workbook, by default the only visible one with a table.", metavar="NAME")

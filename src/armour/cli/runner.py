@@ -18,6 +18,7 @@ from armour.errors import ArmourError, InputError, Note, Problem, in_one_line, m
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
 from armour.reporting.by_result import by_result, tables_of
 from armour.reporting.junit import TestCase, is_junit_of_armour, junit_suite, junit_xml
+from armour.reporting.report import Report
 from armour.reporting.table import Table
 from armour.scenario.effect import check_effect
 from armour.scenario.keys import changes_of, is_read, line_of, lines_of, upwards, values_by_key
@@ -58,7 +59,7 @@ def check_outputs(
     updated: Path | None = None,
     force: bool = False,
 ) -> None:
-    """Check that all outputs can be written and differ from each other and from inputs; raise an error otherwise.
+    """Check that all outputs can be written and differ from inputs; raise an error otherwise.
 
     Each of ``outputs`` has the endings that it may have, () for any.  Only with ``force`` may an output replace a file,
     except that ``junit`` may replace JUnit XML written by this program.  ``updated`` is both an input and an output.
@@ -79,10 +80,6 @@ def check_outputs(
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
         elif not (force or (path == junit and is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
-    if not problems:
-        resolved = [path.resolve() for path in paths]
-        twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
-        problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     refuse(problems)
 
 
@@ -267,6 +264,15 @@ def drawing() -> Any:
     with chdir(Path(__file__).parent):
         from armour.reporting.pictures import drawing
     return drawing
+
+
+def page(report: Report, path: Path) -> str:
+    """Return a report as the text of a file, HTML or Markdown, by its ending."""
+    from armour.reporting.formats import report_text
+
+    if path.suffix.lower() == ".html":
+        drawing()
+    return report_text(report, path)
 
 
 def origin_of(scenario: Scenario | None = None) -> dict[str, str]:

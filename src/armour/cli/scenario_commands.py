@@ -110,8 +110,8 @@ def compare(
 def check(
     scenario: list[Path] = options.argument(
         "SCENARIO",
-        "Scenario files (TOML), folders of them, or names of shipped scenarios; - reads standard input.",
-        autocompletion=completion.scenarios,
+        "Scenario files (TOML), folders of them, or shipped scenarios; - reads standard input.",
+        words=completion.scenarios,
     ),
     cases: Path | None = options.file("Table of offers: check the armour of each row in place of the scenario's."),
     sheet: str | None = options.SHEET,
@@ -403,23 +403,22 @@ def sweep(
     scenario: Path = options.SCENARIO,
     output: Path | None = options.file("Table to write, .csv or .parquet, in place of a few rows.", "--output", "-o"),
     over: list[str] | None = options.text(
-        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
+        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat for a grid.",
         metavar="KEY=VALUES",
-        autocompletion=completion.axes,
+        words=completion.axes,
     ),
     cases: Path | None = options.file("CSV file of cases, in place of --over: a row each, below the names of keys."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
     quantities: str | None = options.text(
-        "Quantities to compute, from the list below; by default the ballistic limit or, without -o, limits, "
-        "probability and verdict.",
+        "Quantities to compute, from the list below; by default the ballistic limit.",
         metavar="NAME,...",
-        autocompletion=completion.quantities,
+        words=completion.quantities,
     ),
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
     scheduler: str = options.text(
-        "Compute on the Dask cluster at this address, or local.", metavar="ADDRESS", default=""
+        "Compute on the Dask cluster at this address; local starts one.", metavar="ADDRESS", default=""
     ),
     yes: bool = options.flag("Run a sweep even if it takes hours or more disk space than is free.", "--yes"),
     changes: list[str] | None = options.CHANGES,
@@ -461,8 +460,8 @@ def sweep(
 def report(
     source: Path = options.argument(
         "SCENARIO|SUITE",
-        "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
-        autocompletion=completion.scenarios_and_suites,
+        "Scenario or suite (TOML), or name of a shipped one; - reads standard input.",
+        words=completion.scenarios_and_suites,
     ),
     output: Path = typer.Option(
         Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
@@ -482,7 +481,8 @@ def report(
     armour report panel --probability 0.95 -o report.html
     armour report paper -o suite.html
     """
-    from armour.reporting import formats, scenario_report
+    from armour.reporting.formats import REPORT_ENDINGS
+    from armour.reporting.scenario_report import scenario_report
     from armour.reporting.views.validation import suite_report
     from armour.validation.suite import suite_files
 
@@ -502,13 +502,11 @@ def report(
         asked = ANSWERS["report --as-is" if as_is else "report"]
         scenario = read_scenario(source, changes, asked, probability, by_model=by_model)
         inputs = [scenario]
-    check_outputs((output, formats.REPORT_ENDINGS), inputs=inputs, force=force)
+    check_outputs((output, REPORT_ENDINGS), inputs=inputs, force=force)
     if is_suite:
         with progress("cases", len(suite.cases)) as count:
             content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            content = scenario_report.scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
-    if output.suffix.lower() == ".html":
-        runner.drawing()
-    runner.write({output: lambda path: formats.report_text(content, path)})
+            content = scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
+    runner.write({output: lambda path: runner.page(content, path)})

@@ -23,10 +23,9 @@ from armour.scenario.keys import changes_of
 def validate(
     suite: Path | None = options.argument(
         "SUITE",
-        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates. "
-        "`armour init FILE.toml --from SCENARIO.toml` writes one.",
-        autocompletion=completion.suites,
-        default=None,
+        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates.",
+        None,
+        words=completion.suites,
     ),
     only: str = options.text("Check only cases whose name contains the text.", metavar="TEXT", default=""),
     changes: list[str] | None = options.CHANGES,
@@ -102,9 +101,7 @@ def validate(
 
 def figures(
     folder: Path = options.argument("DIR", "Folder to write to."),
-    only: str = options.text(
-        "Draw only the figure of this number, or those whose name contains the text.", metavar="TEXT", default=""
-    ),
+    only: str = options.text("Draw only figures whose name contains the text.", metavar="TEXT", default=""),
     image: Literal["png", "svg"] = typer.Option("png", "--format", help="Format of the figures."),
     force: bool = options.FORCE,
 ) -> None:
@@ -125,10 +122,9 @@ def figures(
     path = paper.paper_figures()
     panels = {name: list(group) for name, group in groupby(paper.read_figures(path), attrgetter("name"))}
     names = [*panels, *paper.PARITIES]
-    number = f"fig{only.zfill(2)}" if only.isdecimal() else ""
-    chosen = [name for name in names if (name == number if number else only in name)]
+    chosen = [name for name in names if only in name]
     if not chosen:
-        message = f'must be a number or part of a name, found "{only}"; there are {", ".join(names)}'
+        message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
         raise mistake("figures", "--only", message)
     if os.path.isdir(folder):  # or else it is made with the first figure
         check_outputs(*((folder / f"{name}.{ending}", ()) for name in chosen for ending in ("csv", image)), force=force)

@@ -1,7 +1,7 @@
 """Read the cases of a sweep from options or a table, and run the command `sweep`."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -78,7 +78,7 @@ def write_and_show(
 
         calls: Any = {"on_chunk": on_chunk, "approve": approve, "tell": say, "command": runner.command_line()}
         write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **calls)
-    say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities, drawn=plot is not None))
+    say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     data = {"rows": source.count, "output": str(output)}
     runner.show_answer(data, shown, scenario=scenario, as_json=as_json)
@@ -102,14 +102,11 @@ def show_rows(
     data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
     tables = () if as_json else tables_of_sweep(result)
     runner.show_answer(data, tables, scenario=scenario, as_json=as_json)
-    warnings = [*_notes(quantities, drawn=plot is not None), *(f"warning: {note}" for note in result.notes)]
+    warnings = [*_notes(quantities), *(f"warning: {note}" for note in result.notes)]
     runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)}, warnings)
 
 
-def _notes(names: Sequence[str], *, drawn: bool) -> Iterator[str]:
-    """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
+def _notes(names: Sequence[str]) -> list[str]:
+    """Return a note on the meaning of the quantities of a sweep that need one."""
     required = [name for name in names if QUANTITIES[name].on_grid]
-    if required:
-        yield f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"
-    if drawn and len(names) > 1:
-        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
+    return [f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"] if required else []
