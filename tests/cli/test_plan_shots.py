@@ -63,6 +63,7 @@ def test_a_shot_at_another_armour_is_refused(cli, folder: Path):
         assert line.startswith("f.csv: armour and round: must be the scenario's, ")
         assert line.endswith(", found 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP")
     assert (folder / "f.csv").read_text() == before
+    assert cli(*PLAIN, "--result", "C", "--velocity-m-s", "780").exit_code == 0
     assert "warning: f.csv, wilkins: armour and round: must be the" in cli("v50", *PLAIN[3:1:-1], *other).stderr
 
 

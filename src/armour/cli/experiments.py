@@ -187,14 +187,11 @@ def calibrate(
         runner.propose("add --write-scenario fitted.toml --lot 'lot 1'")
 
 
-def _is_table(path: Path) -> bool:
-    """Return whether a file is a table, by its name; commands accept a table before or after a scenario."""
-    return path.suffix.lower() in (".csv", ".tsv", ".txt", ".parquet", *WORKBOOKS) or path.as_posix() in shipped_tests()
-
-
 def _in_order(table: Any, scenario: Any) -> tuple[Any, Any]:
-    """Return a table and a scenario, which may be given in either order."""
-    return (scenario, table) if scenario is not None and _is_table(scenario) else (table, scenario)
+    """Return a table and a scenario, which may be given in either order; a table is known by its name."""
+    endings = (".csv", ".tsv", ".txt", ".parquet", *WORKBOOKS)
+    is_table = scenario is not None and (scenario.suffix.lower() in endings or scenario.as_posix() in shipped_tests())
+    return (scenario, table) if is_table else (table, scenario)
 
 
 def _files_read(table: Path | None, scenario: Scenario | None) -> str:

@@ -24,8 +24,7 @@ from armour.scenario.keys import changes_of
 from armour.scenario.scenario import scenario_file
 
 ONE_SCENARIO = "must be given with one scenario, not with several or a folder"
-# Longest command that fits on a line of 80 columns after "next: "; name of a file for the best design.
-LONGEST_NEXT, BEST = 74, "best.toml"
+BEST = "best.toml"
 
 
 def simulate(
@@ -243,16 +242,10 @@ def _with_moves(data: Sequence[dict[str, Any]], moves: Sequence[Moved]) -> list[
 
 
 def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], words: str = "") -> None:
-    """Print the command to go on with for a scenario; `typed` are the options given, and `words` stand at its end.
-
-    Where the line would be too long to copy, it says that the options stay.
-    """
-    if scenario.file == runner.STANDARD_INPUT:
-        return
-    source = runner.source_word(scenario.file)
-    line = f"{shell_line(['armour', command, source, *typed])} {words}".rstrip()
-    longer = " ".join(filter(None, ("armour", command, words, "with the same scenario and options")))
-    runner.propose(line if len(line) <= LONGEST_NEXT else longer)
+    """Print the command to go on with for a scenario; `typed` are the options given, and `words` stand at its end."""
+    if scenario.file != runner.STANDARD_INPUT:
+        line = shell_line(["armour", command, runner.source_word(scenario.file), *typed])
+        runner.propose(f"{line} {words}".rstrip())
 
 
 def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
@@ -491,22 +484,18 @@ def report(
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    of_scenario = {"--as-is": as_is, "--probability": probability is not None, "--by-model": by_model}
-    message = "must be given with a scenario, found a suite"
-    runner.check_options(*((name, is_suite and is_given, message) for name, is_given in of_scenario.items()))
-    inputs: Sequence[armour.Scenario | Path]
     if is_suite:
+        of_scenario = {"--as-is": as_is, "--probability": probability is not None, "--by-model": by_model}
+        message = "must be given with a scenario, found a suite"
+        runner.check_options(*((name, is_given, message) for name, is_given in of_scenario.items()))
         suite = armour.load_suite(source, changes_of(changes or ()))
-        inputs = suite_files(suite)
-    else:
-        asked = ANSWERS["report --as-is" if as_is else "report"]
-        scenario = read_scenario(source, changes, asked, probability, by_model=by_model)
-        inputs = [scenario]
-    check_outputs((output, REPORT_ENDINGS), inputs=inputs, force=force)
-    if is_suite:
+        check_outputs((output, REPORT_ENDINGS), inputs=suite_files(suite), force=force)
         with progress("cases", len(suite.cases)) as count:
             content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
+        asked = ANSWERS["report --as-is" if as_is else "report"]
+        scenario = read_scenario(source, changes, asked, probability, by_model=by_model)
+        check_outputs((output, REPORT_ENDINGS), inputs=[scenario], force=force)
         with progress("armours") as count:
             content = scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
     runner.write({output: lambda path: runner.page(content, path)})

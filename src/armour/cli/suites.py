@@ -2,7 +2,7 @@
 
 import os
 from functools import partial
-from itertools import groupby, pairwise
+from itertools import pairwise
 from operator import attrgetter
 from pathlib import Path
 from time import perf_counter
@@ -16,7 +16,7 @@ from armour.cli.console import progress, say, show
 from armour.cli.runner import check_outputs
 from armour.errors import mistake
 from armour.files import suite_file
-from armour.reporting.table import Table, csv_text
+from armour.reporting.table import Table, csv_text, grouped
 from armour.scenario.keys import changes_of
 
 
@@ -120,7 +120,7 @@ def figures(
     from armour.validation import figures as paper
 
     path = paper.paper_figures()
-    panels = {name: list(group) for name, group in groupby(paper.read_figures(path), attrgetter("name"))}
+    panels = grouped(paper.read_figures(path), attrgetter("name"))
     names = [*panels, *paper.PARITIES]
     chosen = [name for name in names if only in name]
     if not chosen:
