@@ -1,5 +1,6 @@
 """Start the command line, and end it if it is interrupted."""
 
+import os
 import signal
 import sys
 
@@ -8,6 +9,7 @@ from armour.cli.streams import open_streams
 
 def main() -> None:
     """Run the command line."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small: more threads would only start slowly
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # or else unfinished files would stay
     open_streams()
     try:
