@@ -10,7 +10,7 @@ import armour
 from armour.cli.app import app
 from armour.files import shipped_files
 from armour.scenario.library import named_threats
-from armour.validation.tested import tested_with
+from armour.validation import tested
 
 pytestmark = pytest.mark.slow
 
@@ -89,7 +89,7 @@ def test_a_table_of_the_library_links_every_name_to_its_values_and_says_what_it_
     assert all(anchor == site.slugify(name, "-") for name, anchor, _ in rows)
     rounds = {name: ("projectile", threat.projectile) for name, threat in named_threats().items()}
     found = {name for name, _, tests in rows if tests}
-    assert found == {name for name, _, _ in rows if rounds.get(name, (kind, name)) in tested_with()} != set()
+    assert found == {name for name, _, _ in rows if rounds.get(name, (kind, name)) in tested.tested_with()} != set()
 
 
 def test_the_page_of_the_api_has_a_line_for_every_public_name(site):

@@ -261,8 +261,14 @@ def drawing() -> Any:
     During the import, the current folder is that of this file, as matplotlib would read settings there.
     """
     os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
-    with chdir(Path(__file__).parent):
-        from armour.reporting.pictures import drawing
+    if folder := os.environ.get("MPLCONFIGDIR"):
+        os.environ["MPLCONFIGDIR"] = os.path.abspath(folder)
+    try:
+        with chdir(Path(__file__).parent):
+            from armour.reporting.pictures import drawing
+    except OSError:
+        message = "must be a folder that can be written to, where there is neither a home nor a temporary folder"
+        raise mistake("environment", "MPLCONFIGDIR", message) from None
     return drawing
 
 
