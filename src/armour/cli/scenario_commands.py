@@ -296,9 +296,8 @@ def optimise(
     files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page, **saved}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if save is not None and result.reason:
-        say(
-            f"{save} not written: the nearest design FAILS" if fails else f"{save}: not known whether this design holds"
-        )
+        words = " not written: the nearest design FAILS" if fails else ": not known whether this design holds"
+        say(f"{save}{words}")
     if not as_json:
         _propose_after(result, loaded, _typed("optimise", changes, probability, by_model=by_model), save)
     if result.reason:

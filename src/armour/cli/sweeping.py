@@ -68,15 +68,13 @@ def write_and_show(
             os.environ["PYTHONSAFEPATH"] = "1"
             workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
 
-        def on_chunk(rows: int, stored: bool) -> None:
-            count(rows, stored=stored)
-
         def approve(effort: Effort) -> None:
             if effort.is_large and not yes:
                 raise mistake("sweep", "", f"{effort.words}; --yes to go on")
             runner.announce(effort.seconds, effort.words)
 
-        calls: Any = {"on_chunk": on_chunk, "approve": approve, "tell": say, "command": runner.command_line()}
+        calls: Any = {"approve": approve, "tell": say, "command": runner.command_line()}
+        calls["on_chunk"] = lambda rows, stored: count(rows, stored=stored)
         write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **calls)
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
