@@ -38,12 +38,6 @@ def test_an_offer_is_a_line(cli):
     assert read.endswith(", 3 offers, several offers named B")
 
 
-@pytest.mark.parametrize(("rows", "code"), [(ROWS[:1] + ROWS[2:3], 0), (ROWS, 3), (ROWS[:2], 3)])
-def test_the_exit_code_is_3_unless_every_offer_is_good(cli, folder: Path, rows: list[str], code: int):
-    csv_file(folder / "offers.csv", *rows)
-    assert cli(*CHECK).exit_code == code
-
-
 @pytest.mark.usefixtures("offers")
 def test_every_output_has_the_labels(cli, folder: Path):
     cli(*CHECK, "--csv", "out.csv", "--junit", "out.xml", "--markdown", "out.md")
@@ -88,13 +82,6 @@ def test_mistakes_of_every_offer_are_told(cli, folder: Path):
 def test_wrong_options(cli, words: tuple[str, ...], found: str):
     [line] = cli.fails(2, "check", *words)
     assert line.startswith(f"command line: {found}")
-
-
-@pytest.mark.usefixtures("offers")
-def test_the_table_is_not_replaced(cli):
-    assert cli.fails(2, *CHECK, "--csv", "offers.csv", "--force") == [
-        "offers.csv: must not be the file that is read; choose another name"
-    ]
 
 
 def test_a_sheet_of_a_workbook(cli, folder: Path):

@@ -77,17 +77,6 @@ def test_a_confidence_and_the_command_of_the_map(cli, folder: Path):
     assert "(90 % required)" in verdict
 
 
-def test_changes_and_standard_input(cli, folder: Path):
-    """Here those of an impact with hardly any energy."""
-    text = (SCENARIOS / "bare_plate.toml").read_text()
-    changes = ("--set", "title=Changed", "--set", "impact.velocity_m_s=10")
-    done = cli("report", "-", "-o", "r.html", *changes, stdin=text)
-    assert (done.exit_code, done.stderr.splitlines()[0]) == (0, "wrote r.html")
-    page = (folder / "r.html").read_text()
-    assert "<span>Scenario: Changed</span>" in page
-    assert "above 99 %" in page.replace("\N{NO-BREAK SPACE}", " ")
-
-
 # A script of its own, which the page's policy would not allow, records what the browser complains of and asks for.
 WATCH = """<script>
   const said = [];

@@ -36,14 +36,10 @@ ANSWERED = (
     "simulate wilkins --history history.csv --plot run.svg",
     "optimise wilkins --csv front.csv",
     "report bare_plate -o report.html",
-    "uncertainty uncertain --samples 128",
-    "sensitivity wilkins",
-    "compare wilkins",
     "figures figures --only fig09",
     "v50 tests/shots wilkins",
     "calibrate tests/wilkins wilkins --write mine.toml --lot 7",
     "init new.toml",
-    "schema",
     "library AD85",
 )
 REFUSED = (

@@ -8,10 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.quantities import QUANTITIES
 from armour.cli.sweeping import ANSWERED
-from armour.scenario.scenario import load_scenario
 from armour.sweeps.tables import read_table
 from tests.helpers.cases import SCENARIOS
 
@@ -40,20 +37,6 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert "ballistic limit, m/s" in svg
     assert "kg/m²" in svg
     assert not (folder / "t.csv.parts").exists()
-
-
-@pytest.mark.parametrize(
-    "over", [(f"{CERAMIC}=6,7",), (f"{CERAMIC}=6,7", "armour.backing_thickness_mm=5,6")], ids=["curve", "map"]
-)
-@pytest.mark.usefixtures("folder")
-def test_a_picture_of_no_number_says_so(cli, over: tuple[str, ...]):
-    grid = [word for values in over for word in ("--over", values)]
-    slow = ("--set", "ballistic_limit.velocity_max_m_s=100")
-    result = cli("sweep", WILKINS, *grid, *slow, "-o", "t.csv", "--plot", "t.svg")
-    assert result.exit_code == 0
-    assert result.stderr.splitlines()[-1] == "wrote t.svg"
-    rows = 2 ** len(over)
-    assert f"{rows} of {rows} rows have no ballistic limit." in Path("t.svg").read_text()
 
 
 def test_without_a_file_the_answers_are_printed(cli, folder: Path):
@@ -89,12 +72,6 @@ def test_without_a_file_json_has_the_columns(cli):
 )
 def test_what_needs_a_file(cli, words: tuple[str, ...], found: str):
     assert cli.fails(2, "sweep", WILKINS, *words) == [f"command line: {found}"]
-
-
-@pytest.mark.parametrize("output", [".", "/"])
-@pytest.mark.usefixtures("folder")
-def test_a_folder_is_no_table(cli, output: str):
-    assert cli.fails(2, "sweep", WILKINS, *OVER, "-o", output) == [f"{output or '.'}: cannot be written: is a folder"]
 
 
 def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
@@ -134,11 +111,6 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     assert result.stderr.splitlines() == ["1 row; about 1 second", "wrote t.csv: 1 row"]
 
 
-def test_the_help_lists_every_quantity(cli):
-    text = " ".join(cli("sweep", "--help").stdout.split()).replace("│ │", "")
-    assert [name for name in QUANTITIES if name not in text] == []
-
-
 KILLED = """
 import os, signal
 from armour.cli.main import main
@@ -169,26 +141,6 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     assert (folder / "t.csv").read_bytes().count(b"\n") == 21 * 3 + 1
 
 
-def test_materials_and_projectiles_by_name(cli, folder: Path):
-    header, rows = (
-        "armour.ceramic,ceramic.flow_stress_GPa,armour.backing,impact.projectile",
-        ("AD85,5.2,6061-T6,7.62 mm AP", "AD99.5,5.9,5083-H3,7.62 mm APM2", "AD85,5.3,6061-T6,7.62 mm AP"),
-    )
-    (folder / "c.csv").write_text("\n".join((header, *rows)))
-    assert cli("sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv").exit_code == 0
-    with (folder / "t.csv").open() as file:
-        found = list(csv.DictReader(file))
-    for row in found:
-        limit = float(row.pop("ballistic_limit_m_s"))
-        case = load_scenario(WILKINS, {**row, "ceramic.flow_stress_GPa": float(row["ceramic.flow_stress_GPa"])})
-        assert ballistic_limit(case).ballistic_limit_m_s == limit
-    (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
-    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
-    assert line.startswith(
-        'c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; choose from 6061-T6 '
-    )
-
-
 FORMULAS = ["=cmd|' /C calc'!A0", "+1", "@x", "-1", "'=y"]
 
 
@@ -215,12 +167,3 @@ def test_names_are_no_formulas_and_are_read_again(cli, folder: Path):
             csv.writer(file).writerows(row[:2] for row in rows)
     assert (folder / "first.csv").read_bytes() == (folder / "second.csv").read_bytes()
     assert read_table(folder / "first.csv")["armour.ceramic"].tolist() == FORMULAS
-
-
-def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
-    keys = "projectile.penetrator_diameter_mm,projectile.penetrator_mass_g"
-    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n\n65,5460\n0.65,5.46\n")
-    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv")
-    assert line.startswith("c.csv: line 5: projectile.penetrator_mass_g: must make a rod")
-    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n65,5460\n0.65,0.00546\n")
-    assert cli("sweep", WILKINS, "--cases", "c.csv", "--quantities", "outcome", "-o", "t.csv").exit_code == 0
