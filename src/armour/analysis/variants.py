@@ -14,13 +14,12 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
+from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, why_unknown
 from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise
-from armour.scenario.sections import Section
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, Optimise
 from armour.units import MM
 
 Floats = NDArray[np.float64]
@@ -28,8 +27,6 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
-# By how much the time step and tolerance may move a ballistic limit, m/s: a small part of the model error.
-MOST_MOVED_M_S = 1.0
 # Number of rows that are scanned at a time, to bound the memory.
 SCANS_AT_A_TIME = 250
 # Condition on thicknesses, mm, (m,), given with the indices of their rows, (m,): returns whether it holds, (m,).
@@ -69,13 +66,8 @@ class Variants(_Rows):
 
     @property
     def errors(self) -> ErrorRows:
-        """Model errors of the rows; not known where time step and tolerance move the limit too far."""
-        errors = errors_of(self.scenario, self.armours)
-        if given_error(self.scenario) is None:
-            known = np.flatnonzero(errors.known)
-            far = np.abs(moved_m_s(self.at(known))) > MOST_MOVED_M_S
-            errors.ratio.weights[:, known[far]] = np.nan
-        return errors
+        """Model errors of the rows."""
+        return errors_of(self.scenario, self.armours)
 
     @cached_property
     def armours(self) -> Armours:
@@ -154,14 +146,7 @@ class Variants(_Rows):
         """Return why the model error is not known, or not included, for a single row, and what can provide it."""
         if self.scenario.excludes_error():
             return "uncertainty.model excludes the model error"
-        [moved] = moved_m_s(self)
-        if abs(moved) <= MOST_MOVED_M_S or not errors_of(self.scenario, self.armours).known.all():
-            return why_unknown(self.scenario, self.armours)
-        step_us, tolerance = self.scenario.solver.time_step_us, self.scenario.ballistic_limit.tolerance_m_s
-        settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
-        settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
-        moves = f"moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s"
-        return f"{' and '.join(settings)} {moves}"
+        return why_unknown(self.scenario, self.armours)
 
     def limit_distributions(self, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
@@ -335,24 +320,6 @@ def ballistic_limits(
             limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
             on_progress(int(brackets.runs.sum()), None)
     return limits
-
-
-def moved_m_s(variants: Variants) -> Floats:
-    """Return by how much the scenario's time step and tolerance move the ballistic limits, m/s, (n,).
-
-    The limits are compared with those by the default settings.  The difference is taken as 0 if the time step is the
-    default and the tolerance at most `MOST_MOVED_M_S`.
-    """
-    scenario, usual = variants.scenario, BallisticLimitSection().tolerance_m_s
-    if not len(variants.velocities) or (
-        scenario.solver.time_step_us is None and scenario.ballistic_limit.tolerance_m_s <= MOST_MOVED_M_S
-    ):
-        return np.zeros(len(variants.velocities))
-    solver = scenario.solver.model_copy(update={"time_step_us": None})
-    section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
-    # Not validated again, which would read library files: what is kept of the armour stays true.
-    default = Section.model_copy(scenario, update={"solver": solver, "ballistic_limit": section})
-    return variants.limits_anywhere() - variants._replace(scenario=default).limits_anywhere()
 
 
 def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
