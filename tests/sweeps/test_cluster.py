@@ -141,7 +141,7 @@ def test_forged_rows_are_refused_on_a_cluster(client: "Client", tmp_path: Path):
     forged = honest._replace(columns={**honest.columns, "outcome": np.array(["perforated"])})
     for name, chunk in (("a.csv", forged), ("b.csv", honest)):
         job, types = job_of(case, source, ["outcome"]), types_of(source, ["outcome"])
-        with Store(tmp_path / name, job, types, print) as store:
+        with Store(tmp_path / name, job, types) as store:
             store.append(chunk)
     with pytest.raises(
         InputError, match=r"a\.csv\.parts: .* found outcome = perforated in row 1, but computed stopped"
@@ -188,7 +188,7 @@ def test_a_worker_without_armour_is_told(tmp_path: Path):
         )
         try:
             client.wait_for_workers(1)
-            with pytest.raises(InputError, match="workers with armour, found one that cannot import it: none here"):
+            with pytest.raises(InputError, match=r"failed: ImportError.*none here"):
                 sweep_on(client, tmp_path / "a.csv")
         finally:
             worker.kill()
