@@ -30,10 +30,12 @@ from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
+from armour.sweeps.cases import Grid, SweepCases, source_of
 from armour.sweeps.store import RESUME, Chunk, Store
 from armour.sweeps.tables import read_table
 
+# Number of rows to check at a time.
+CHECKED_ROWS = 10_000
 # Greatest number of rows in memory; more rows need a file.
 MAX_ROWS = 10_000_000
 # Target time to compute a chunk, short so that an interruption costs little, and greatest number of rows of a chunk.
@@ -389,7 +391,7 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
 
 def check_rows(scenario: Scenario, source: Grid | SweepCases) -> None:
     """Check that every row is a valid scenario."""
-    for start, rows in blocks_of(source, BLOCK):
+    for start, rows in blocks_of(source, CHECKED_ROWS):
         for _ in scenarios_of(scenario, rows, partial(source.place, start)):
             pass
 
