@@ -38,7 +38,6 @@ def test_the_limit_and_the_probability_of_an_armour():
         "name": "doors/a: probability of stopping 7.62 mm AP at 800 m/s",
         "quantity": "probability_of_stopping",
         "band": 0.005,
-        "reason": "half of the last digit shown",
         **shared,
     }
 

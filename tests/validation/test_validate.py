@@ -288,28 +288,6 @@ def test_an_update_keeps_the_byte_order_mark_and_the_line_ends(folder: Path):
     assert updated_file(content, updates_of(found)) == content.replace(b"725.0", AS_WRITTEN.encode())
 
 
-@pytest.mark.parametrize(
-    ("more", "status"),
-    [
-        ("band = 500.0", "no reason"),
-        ("band_percent = 10.1", "no reason"),
-        ("band_percent = 10.0", "within"),
-        ('band = 500.0\nreason = "a slip of the print"', "within"),
-        ("band = 0.01", "outside"),
-    ],
-)
-def test_a_wide_band_needs_a_reason(folder: Path, more: str, status: str):
-    found = result(folder, case("in", 724.0, more))
-    assert (found.checks[0].status, found.passed) == (status, status == "within")
-
-
-def test_a_wide_band_of_a_table_needs_a_reason(folder: Path):
-    wide = f"{FILE}\nrms_band_percent = 40.0\n"
-    (folder / "t.csv").write_text(CSV)
-    for reason, status in (("", "no reason"), ('reason = "few tests"\n', "within")):
-        assert [summary.status for summary in result(folder, wide + reason).summaries] == [status]
-
-
 def test_a_suite_without_a_scored_case_fails(folder: Path):
     found = result(folder, case("in", 724.0, 'not_scored = "later"'))
     assert not found.passed

@@ -105,11 +105,6 @@ class Case:
             return self.section.band
         return percent / 100.0 * abs(float(expected))
 
-    def has_wide_band(self, most: float) -> bool:
-        """Return whether the band exceeds a fraction of the expected value or, of a relative one, of 100 %."""
-        size = 100.0 if self.measured is not None else self.bound.value if self.bound else self.expected
-        return isinstance(size, float) and self.band is not None and self.band > most * abs(size)
-
     @property
     def reason(self) -> str:
         """Reason for the width of the band."""

@@ -22,11 +22,8 @@ from armour.validation.questions import Subject, answer
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.suite_sections import GroupSection, TableSection, meets
 
-CheckStatus = Literal["within", "outside", "no answer", "no expected value", "no reason", "not scored"]
-FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value", "no reason")
-# Band, over the expected value, beyond which it needs a reason; and what is said without one.
-WIDE = 0.1
-WITHOUT_REASON = f"a band of more than {100.0 * WIDE:g} % must have a reason"
+CheckStatus = Literal["within", "outside", "no answer", "no expected value", "not scored"]
+FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value")
 
 
 @dataclass(frozen=True)
@@ -38,8 +35,7 @@ class Check:
     case : Case
     computed : float or str or None
         None if the question has no answer.
-    status : {"within", "outside", "no answer", "no expected value", "no reason", "not scored"}
-        "no reason" is for a wide band that has none.
+    status : {"within", "outside", "no answer", "no expected value", "not scored"}
     message : str
         Why there is no answer or no expected value, or why the case fails or is not scored.
     """
@@ -110,7 +106,7 @@ class TableSummary:
         Mean, root mean square and largest magnitude of the deviations, and mean of their magnitudes.
     rms_band : float or None
         Largest root mean square allowed.
-    status : {"within", "outside", "no reason", "not scored"}
+    status : {"within", "outside", "not scored"}
     mean_expected, mean_band : float or None
         Expected mean, and the largest deviation of the mean from it that is allowed.
     """
@@ -161,7 +157,7 @@ class SuiteResult(TableResult):
 
     @property
     def passed(self) -> bool:
-        """Whether any case is scored, all cases and tables are within their bands, and wide bands have a reason."""
+        """Whether any case is scored, and all cases and tables are within their bands."""
         return self.is_scored and self.count(*FAILED) == 0
 
     @property
@@ -276,8 +272,6 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
             status = "within" if computed == case.expected else "outside"
         elif case.band is not None:
             status = "within" if abs(computed - case.expected) <= case.band else "outside"
-        if status == "within" and case.has_wide_band(WIDE) and not case.reason:
-            return Check(case, computed, "no reason", WITHOUT_REASON)
     return Check(case, computed, status, message if computed is None else calibrated)
 
 
@@ -332,14 +326,6 @@ def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSumm
             yield _summary(table, group, rows_of_group)
 
 
-def _is_wide(rows: Sequence[Check], band: float, percent: bool) -> bool:
-    """Return whether a band of rows as a whole, in per cent or in their unit, needs a reason."""
-    if percent or rows[0].case.measured is not None:
-        return band > 100.0 * WIDE
-    sizes = [abs(row.case.expected) for row in rows if isinstance(row.case.expected, float)]
-    return band > WIDE * sum(sizes) / max(len(sizes), 1)
-
-
 def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) -> TableSummary:
     """Summarise the deviations of rows, and compare them with the bands of their table or group, ``bands``."""
     percent = bool(table.file) or table.rms_band_percent is not None
@@ -353,8 +339,6 @@ def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) ->
         rms_within = rms_band is None or rms <= rms_band
         mean_within = mean_band is None or abs(mean - bands.mean_percent) <= mean_band
         status = "within" if numbers and rms_within and mean_within else "outside"
-        if status == "within" and not table.reason and _is_wide(rows, max(rms_band or 0.0, mean_band or 0.0), percent):
-            status = "no reason"
     return TableSummary(
         name=table.name,
         count=len(numbers),

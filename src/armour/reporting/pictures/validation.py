@@ -11,7 +11,7 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
-from armour.reporting.views.validation import drawn_checks, limits_by_formulas
+from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
@@ -93,7 +93,7 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
     Limits outside the range of the curve are named in the note.
     """
     impact = [point.impact_velocity_m_s for point in result.curve]
-    limits = limits_by_formulas(result)
+    limits = [(each.method, each.ballistic_limit_m_s) for each in result.predictions[1:]]
     drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
     beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
     picture = sheet.panels(
