@@ -12,7 +12,7 @@ from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from tests.helpers.runs import random_designs
 
-COUNT = 400
+COUNT = 300
 
 
 @cache
@@ -38,8 +38,8 @@ def velocities() -> batch.Floats:
 @pytest.mark.slow
 def test_impacts_are_those_of_plain_python():
     """Of tiles and bare plates, by every law, with steps that are given and events at the ends of steps."""
-    armours, rng = designs(5000), np.random.default_rng(1)
-    for part, dt in ((slice(4000), 0.0), (slice(4000, 5000), 2e-6)):
+    armours, rng = designs(600), np.random.default_rng(1)
+    for part, dt in ((slice(500), 0.0), (slice(500, 600), 2e-6)):
         some = armours[part]
         velocities = rng.uniform(200.0, 1500.0, len(some)).round(-1)
         found = batch.impacts(batch.packed(some), velocities, batch.DEFAULT_SETTINGS._replace(dt=dt))
@@ -50,7 +50,7 @@ def test_impacts_are_those_of_plain_python():
 
 @pytest.mark.slow
 def test_ballistic_limits_are_those_of_plain_python():
-    armours = designs(300)
+    armours = designs(40)
     found = batch.ballistic_limits(batch.packed(armours), 20.0, 4000.0, 1e-3)
     plain = [find_ballistic_limit(p, scan(20.0, 4000.0), 1e-3, 1.0, 0.0, 500_000) for p in armours]
     assert list(zip(*(column.tolist() for column in found), strict=True)) == [tuple(limit) for limit in plain]
@@ -101,10 +101,6 @@ def test_searches_of_invalid_numbers_end(rows: batch.Floats):
         len(batch.ballistic_limits(invalid, 20.0, 4000.0, 1e-2, batch.DEFAULT_SETTINGS._replace(max_steps=2000)).runs)
         == 3
     )
-
-
-def test_an_empty_batch(rows: batch.Floats, velocities: batch.Floats):
-    assert len(batch.impacts(rows[:0], velocities[:0]).V) == 0
 
 
 def test_impacts_that_reach_the_maximum_number_of_steps(rows: batch.Floats, velocities: batch.Floats):
