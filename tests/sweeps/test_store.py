@@ -3,12 +3,10 @@
 import os
 import shutil
 import sqlite3
-import struct
 import sys
 from collections.abc import Callable
 from contextlib import closing
 from errno import ENOSPC
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -132,22 +130,6 @@ def test_the_rows_of_a_sweep_that_was_killed_are_in_the_log(output: Path):
     finished(output)
 
 
-def test_no_journal_is_ever_beside_the_rows(output: Path, monkeypatch: pytest.MonkeyPatch):
-    """A second sweep that saw one for a moment would refuse the folder."""
-    seen, connect = set[str](), sqlite3.connect
-
-    class Watched(sqlite3.Connection):
-        def close(self) -> None:
-            seen.update(path.name[-8:] for path in rows_of(output).parent.iterdir())
-            super().close()
-
-    monkeypatch.setattr("sqlite3.connect", partial(connect, factory=Watched))
-    filled(output, 2)
-    finished(output)
-    assert "rows-wal" in seen
-    assert "-journal" not in seen
-
-
 def test_one_process_at_a_time(output: Path):
     with Store(output, JOB, TYPES), pytest.raises(InputError, match="another sweep is at work"):
         Store(output, {**JOB, "quantities": "y"}, TYPES).__enter__()
@@ -190,7 +172,7 @@ def test_a_process_that_was_killed_before_its_first_row_leaves_nothing_that_matt
     assert list(output.parent.iterdir()) == [output]
 
 
-@pytest.mark.parametrize("name", ["job", "a.new", "0000000000000.npz"])
+@pytest.mark.parametrize("name", ["job", "a.new", "rows-journal"])
 def test_own_files_in_a_folder_of_that_name_survive(output: Path, name: str):
     folder = rows_of(output).parent
     folder.mkdir(mode=0o700)
@@ -281,26 +263,6 @@ def test_the_database_is_no_link(strange: sqlite3.Connection, output: Path):
     with pytest.raises(InputError, match="contains other files, such as rows"):
         finished(output)
     assert victim.read_bytes() == before
-
-
-def test_a_journal_does_not_remove_a_file(strange: sqlite3.Connection, output: Path):
-    """SQLite removes the file that a journal names as one of several databases."""
-    strange.executescript(TABLE)
-    strange.close()
-    victim, magic = output.with_name("victim"), bytes.fromhex("d9d505f920a163d7")
-    victim.write_text("mine")
-    name, pages = bytes(victim), rows_of(output).stat().st_size // 4096
-    header = magic + struct.pack(">5I", 0, 1, pages, 512, 4096)
-    ending = struct.pack(">I", 0) + name + struct.pack(">2I", len(name), sum(name)) + magic
-    journal = output.with_name(f"{output.name}.parts") / "rows-journal"
-    journal.write_bytes(header.ljust(512, b"\0") + ending)
-    with pytest.raises(InputError, match="contains other files, such as rows-journal"):
-        finished(output)
-    assert victim.read_text() == "mine"
-    # What it is that is refused.
-    with closing(sqlite3.connect(rows_of(output))) as database:
-        database.execute("select * from chunk").close()
-    assert not victim.exists()
 
 
 def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):

@@ -83,7 +83,7 @@ def test_an_update_fills_in_what_is_computed(folder: Path):
     suite = folder / "suite.toml"
     named = scenario(threat=[{"threat": "STANAG 4569 level 4, B32"}, AP])
     (folder / "a.toml").write_text(named.to_toml())
-    suite.write_text(new_suite({"a.toml": named, "catalogue": shipped_scenario("catalogue")}))
+    suite.write_text(new_suite({"a.toml": named}))
     first = validate(load_suite(suite))
     assert {check.status for check in first.checks} == {"no expected value"}
     suite.write_bytes(updated_file(suite.read_bytes(), updates_of(first)))

@@ -237,11 +237,6 @@ def test_tables_have_names_of_their_own(folder: Path):
         assert mistakes(folder, text) == [f"suite.toml: table: {message}"]
 
 
-def test_rows_are_named_by_the_layer_that_differs(folder: Path):
-    text = TABLE.replace("armour.ceramic_thickness_mm", "backing.density_kg_m3").replace("[6.35", "[2700.0")
-    assert load(folder, text).cases[0].name == "plate density 2700 kg/m³"
-
-
 GRID = grid((0.0, 60.0, 1.0), (1.0, 60.0, 1.0))
 THIN = {layer: {"min": 0.5, "max": 2.0, "step": 0.5} for layer in GRID}
 

@@ -1,13 +1,11 @@
 """Statuses of cases, summaries of tables, and updates of expected values, which keep the file's layout."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.reporting.views.validation import suite_junit, suite_tables
-from armour.validation.questions import Subject
 from armour.validation.suite import load_suite
 from armour.validation.suite_sections import Between, meets
 from armour.validation.validate import Check, SuiteResult, kept_by_update, result_of, updated_file, updates_of, validate
@@ -117,20 +115,6 @@ def test_a_table_as_a_whole(folder: Path):
         [other] = result(folder, TABLE.replace("rms_band = 5.0", band)).summaries
         assert (other.unit, other.status) == (unit, status)
     assert other.largest == pytest.approx(-second / 7.3)
-
-
-def test_one_scenario_is_asked_once(folder: Path, monkeypatch: pytest.MonkeyPatch):
-    subjects: list[Subject] = []
-
-    class Counted(Subject):
-        def __init__(self, *args: Any) -> None:
-            super().__init__(*args)
-            subjects.append(self)
-
-    monkeypatch.setattr("armour.validation.validate.Subject", Counted)
-    result(folder, TABLE + case("a", 724.0, "band = 1.0"))
-    computed = [subject for subject in subjects if "answers" in vars(subject)]
-    assert len(computed) == 1
 
 
 def test_as_many_as_have_been_checked(folder: Path):

@@ -374,16 +374,12 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of unused threats, and of quantities that need an excluded model error or change a hull."""
+    """Return warnings of unused threats, and of quantities that need an excluded model error."""
     of_impact = [name for name in quantities if name != VERDICT]
     without_value = [
         name for name in of_impact if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
-    changing = (
-        [] if scenario.counts_backing else [n for n in quantities if QUANTITIES[n].least in ("back plate", "armour")]
-    )
     return [
-        *(f"{name}: changes the back plate, although it exists (design.existing)" for name in changing),
         *(map(str, scenario.unused_threats()) if {*reads_of(of_impact)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
