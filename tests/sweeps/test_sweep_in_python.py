@@ -137,7 +137,7 @@ def test_a_wrong_input_of_a_group_has_the_place_of_its_row(tmp_path: Path):
     lines = ("AD85,6", "B4C,6", "AD85,7", "B4C,-6")
     path = csv_file(tmp_path / "c.csv", f"armour.ceramic,{CERAMIC}", *lines)
     with pytest.raises(InputError, match=f"line 5: {CERAMIC}: must be at least 0, found -6"):
-        sweep(scenario(), path)
+        sweep(scenario(), cases=path)
 
 
 def test_wrong_questions(monkeypatch: pytest.MonkeyPatch):

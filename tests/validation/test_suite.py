@@ -164,10 +164,8 @@ MISTAKES = {
     CASE: [
         ("band = 1.0", "band = 1.0\nband_percent = 2.0", "case[0]: must have band or band_percent, found both"),
         ("band = 1.0", "band = -1.0", "case[0].band: must be at least 0, found -1.0"),
-        ("band = 1.0", "band = 1e300", "case[0].band: must be at most 1e+12, found 1e+300"),
-        ("724.0", "1e300", "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found 1e+300"),
         ("724.0", "nan", "case[0].expected: must be a finite number, found nan"),
-        ("724.0", '"fast"', "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found the"),
+        ("724.0", '"fast"', "case[0]: expected must be a number for ballistic_limit_m_s, found the"),
         ("724.0", "1" + 400 * "0", "case[0].expected: must be a number, found a whole number of more than 64 bits"),
         ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
         ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
@@ -201,7 +199,7 @@ MISTAKES = {
         ("band", 'set.library.ceramic.AD85x.based_on = "AD85"\nband', 'scenario uses; did you mean "AD85"?'),
     ],
     TABLE.replace("0],", "0, 0.0],"): [
-        ('d"]', 'd", "measured"]', "table[0]: measured must be at least 1e-12, found 0")
+        ('d"]', 'd", "measured"]', "table[0]: measured must be greater than 0, found 0")
     ],
     FILE: [
         ('file = "t.csv"', "band = 1.0", "table[0]: must not have where without a file"),

@@ -127,10 +127,10 @@ class TableResult(Result):
     def to_dataframe(self) -> Any:
         """Return the rows as a data frame of pandas.
 
-        The rows are the stages of an impact, the instants of a history, the impacts of a comparison, the designs of the
-        frontier, the fitted curves of a V50, the residuals of a calibration, the inputs of a sensitivity, the points of
-        the curve of an uncertainty, the threats and changes of a check, the planned tests, the checks of a suite or the
-        rows of a sweep.
+        The rows are the stages of an impact, the instants of a history, the predictions of a comparison, the designs
+        of the frontier, the fitted curves of a V50, the residuals of a calibration, the inputs of a sensitivity, the
+        points of the curve of an uncertainty, the threats and changes of a check, the checks of a suite or the rows of
+        a sweep.
         """
         return data_frame(self._columns())
 

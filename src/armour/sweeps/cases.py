@@ -200,16 +200,15 @@ def axis_of(text: str) -> Axis:
 
 
 def source_of(
-    over: Mapping[str, object] | str | PathLike[str] | None,
+    over: Mapping[str, object] | None,
     cases: str | PathLike[str] | Rows | None = None,
     keep: Sequence[str] = (),
 ) -> Grid | SweepCases:
-    """Return the rows of a sweep: a grid if `over` is a mapping, cases if it is a path or `cases` is given."""
-    table = over if isinstance(over, str | PathLike) else cases
+    """Return the rows of a sweep: a grid, or cases if they are given."""
     if (over is None) == (cases is None):
         raise mistake("sweep", "over", "must be given, or cases, but not both")
-    if table is not None:
-        return SweepCases(table, keep=keep)
+    if cases is not None:
+        return SweepCases(cases, keep=keep)
     if keep:
         raise mistake("sweep", "keep", "must be given with cases")
     if not isinstance(over, Mapping) or not over:

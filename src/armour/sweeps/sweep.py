@@ -142,7 +142,7 @@ class SweepResult(TableResult):
 @checked
 def sweep(
     scenario: Scenario,
-    over: Mapping[str, object] | str | PathLike[str] | None = None,
+    over: Mapping[str, object] | None = None,
     quantities: Names = "ballistic_limit_m_s",
     output: str | PathLike[str] | None = None,
     *,
@@ -156,10 +156,10 @@ def sweep(
     Parameters
     ----------
     scenario : Scenario
-    over : mapping of str to values, or path-like, optional
+    over : mapping of str to values, optional
         Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
         or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
-        materials, names.  A path is read as ``cases``.
+        materials, names.
     quantities : str or sequence of str, default "ballistic_limit_m_s"
         Names of quantities; ``armour sweep --help`` lists them.
     output : path-like, optional

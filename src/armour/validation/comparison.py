@@ -6,10 +6,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, residual_velocity_curve
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
 from armour.analysis.evaluate import evaluate
-from armour.analysis.impact import ImpactResult
-from armour.analysis.results import OnProgress, TableResult, ignore_progress
+from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
 from armour.analysis.variants import Floats
 from armour.errors import Note, refuse
 from armour.scenario.checked import checked
@@ -56,7 +55,7 @@ class Prediction:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(TableResult):
-    """Ballistic limit by the model and by simpler formulas, and residual velocities by the model.
+    """Ballistic limit by the model and by simpler formulas.
 
     Attributes
     ----------
@@ -68,8 +67,6 @@ class Comparison(TableResult):
         By the model; by the rule that the limit is in proportion to the areal density, if the tests to which it is
         fitted are of this round and these materials; and by Florence's formula for each body with a known mass and
         diameter, if the metal has the values that it needs.
-    curve : tuple of ImpactResult
-        Impacts by the model around and above the limit.
     tests : str
         Tests of the errors: number, round, materials and areal densities.
     florence_missing : tuple of str
@@ -82,14 +79,13 @@ class Comparison(TableResult):
     areal_density_kg_m2: float
     limit: LimitResult
     predictions: tuple[Prediction, ...]
-    curve: tuple[ImpactResult, ...]
     tests: str
     florence_missing: tuple[str, ...] = ()
     whole_areal_density_kg_m2: float = 0.0
     measured: tuple[MeasuredArmour, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the comparison, without the curve, as plain data."""
+        """Return the comparison as plain data."""
         return {
             "areal_density_kg_m2": self.areal_density_kg_m2,
             "whole_areal_density_kg_m2": self.whole_areal_density_kg_m2,
@@ -107,8 +103,7 @@ class Comparison(TableResult):
         return self.limit.notes
 
     def _columns(self) -> dict[str, Any]:
-        names = "impact_velocity_m_s", "residual_velocity_m_s", "plug_velocity_m_s"
-        return {name: [getattr(impact, name) for impact in self.curve] for name in names}
+        return by_column(map(asdict, self.predictions))
 
 
 @checked
@@ -142,7 +137,6 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         limit=limit,
         predictions=tuple(predictions_of(scenario, limit.ballistic_limit_m_s, florence)),
-        curve=residual_velocity_curve(scenario, limit, on_progress),
         tests=wilkins_tests().words(),
         florence_missing=tuple(problem.key for problem in missing),
         measured=nearest_measured(scenario, limit.ballistic_limit_m_s),

@@ -17,7 +17,6 @@ from armour.files import named, shipped_suites
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
-from armour.statistics.measured import OUTCOME
 from armour.validation.questions import Subject, answer
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.suite_sections import GroupSection, TableSection, meets
@@ -152,7 +151,7 @@ class SuiteResult(TableResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Columns of files of tests that were not read and probably should be."""
+        """Rows of files of tests that are left out, and columns that probably should be read."""
         return tuple(dict.fromkeys(text for check in self.checks for text in check.case.warnings))
 
     @property
@@ -264,10 +263,6 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
             status = "no answer"
         elif case.expected is None:
             return Check(case, computed, "no expected value", "no expected value yet; --update fills it in")
-        elif case.bound and isinstance(computed, float):
-            if case.band is None:
-                return Check(case, computed, status, "not scored: a bound is compared only with a band of its own")
-            status = "within" if case.bound.side * (computed - case.bound.value) >= -case.band else "outside"
         elif isinstance(computed, str) or isinstance(case.expected, str):
             status = "within" if computed == case.expected else "outside"
         elif case.band is not None:
@@ -305,8 +300,7 @@ def _calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                measured_so = OUTCOME if case.bound else case.quantity
-                if measured_so in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
+                if case.quantity in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
