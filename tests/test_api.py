@@ -141,7 +141,7 @@ def test_every_result_has_warnings():
 
 
 def test_a_suite_and_a_library_are_shown_in_a_line():
-    assert repr(armour.load_suite(armour.paper_suite())).endswith("cases of paper.toml>")
+    assert repr(armour.load_suite("paper")).endswith("cases of paper.toml>")
     assert re.fullmatch(r"<Library: \d+ projectiles, \d+ ceramics, \d+ metals>", repr(armour.shipped_library()))
 
 

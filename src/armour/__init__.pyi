@@ -79,7 +79,6 @@ from .validation.suite import load_suite as load_suite
 from .validation.validate import Check as Check
 from .validation.validate import SuiteResult as SuiteResult
 from .validation.validate import TableSummary as TableSummary
-from .validation.validate import paper_suite as paper_suite
 from .validation.validate import validate as validate
 
 __version__: str

@@ -150,13 +150,6 @@ def test_wrong_questions(monkeypatch: pytest.MonkeyPatch):
         sweep(scenario(), OVER)
 
 
-@pytest.mark.parametrize("output", [None, "table.csv"])
-def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output: str | None):
-    with pytest.raises(InputError) as error:
-        sweep(scenario(), {CERAMIC: [6.0, -5.0]}, output=output and tmp_path / output)
-    assert str(error.value) == f"sweep: over {CERAMIC}: must be at least 0, found -5.0"
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -169,15 +162,6 @@ def test_a_wrong_row_is_told_by_the_name_of_the_argument(tmp_path: Path, output:
 def test_wrong_arguments(arguments: dict[str, Any], message: str):
     with pytest.raises(InputError, match=message):
         sweep(**{"scenario": scenario(), "over": {CERAMIC: [4.0]}, **arguments})
-
-
-def test_the_file_is_found_from_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.chdir(tmp_path)
-    found = sweep(scenario(), {CERAMIC: [4.0]}, "areal_density_kg_m2", "out.csv")
-    assert found.output == tmp_path / "out.csv"
-    (tmp_path / "out.csv").unlink()
-    with pytest.raises(InputError, match=r"out\.csv: cannot be read: no such file"):
-        found.columns  # noqa: B018
 
 
 SPREAD = {"distribution": "normal", "standard_deviation": 20.0}

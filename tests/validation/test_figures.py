@@ -4,7 +4,6 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
-from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from armour.validation.figures import Figure, compute_figure, paper_figures, read_figures
 from tests.helpers.cases import scenario
@@ -56,11 +55,6 @@ def test_a_curve_has_a_gap_where_there_is_no_answer(folder: Path):
     first, *others = computed(folder, text).curves["A"]
     assert first == pytest.approx(limit, abs=0.01)
     assert others == [None, None]
-
-
-def test_a_mistake_in_a_file_of_figures(folder: Path):
-    with pytest.raises(InputError, match='unknown quantity "speed"'):
-        computed(folder, FIGURES.replace("residual_velocity_m_s", "speed"))
 
 
 def test_the_papers_figures_are_complete_and_their_scenarios_valid():

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, sqrt
 from os import PathLike
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
-from armour.files import named, shipped_suites
+from armour.files import named
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
@@ -184,11 +183,6 @@ class SuiteResult(TableResult):
 
 
 OnCheck = Callable[[Check, int], None]
-
-
-def paper_suite() -> Path:
-    """Return the path of the suite of all published values of the paper, which ``load_suite("paper")`` reads."""
-    return shipped_suites()["paper"]
 
 
 @checked
