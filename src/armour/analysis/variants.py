@@ -220,14 +220,30 @@ class Variants(_Rows):
         their ranges.
         """
         grid, count = grid_of(self.scenario), len(self.velocities)
-        if layer == "armour":
-            return _least_totals(self, grid)
-        name, thicknesses = {
-            "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
-            "back plate": ("backing_mm", grid.backing_thickness_mm),
+        ranges = {"ceramic_mm": grid.ceramic_thickness_mm, "backing_mm": grid.backing_thickness_mm}
+        ceramics, backings = self.ceramics_mm, self.backings_mm
+        total = ceramics + backings
+        shares = {
+            "ceramic": {"ceramic_mm": np.ones(count)},
+            "back plate": {"backing_mm": np.ones(count)},
+            "armour": {"ceramic_mm": ceramics / total, "backing_mm": backings / total},
         }[layer]
-        conditions = _conditions(lambda values, rows: self.at(rows).with_thicknesses(**{name: values}))
-        return least_values_mm(*conditions, np.full(count, thicknesses.min), np.full(count, thicknesses.max))
+        low, high = np.zeros(count), np.full(count, np.inf)
+        for name, share in shares.items():
+            has_layer = share > 0.0
+            low[has_layer] = np.maximum(low[has_layer], ranges[name].min / share[has_layer])
+            high[has_layer] = np.minimum(high[has_layer], ranges[name].max / share[has_layer])
+        where = np.flatnonzero(low <= high)
+
+        def thick(values: Floats, rows: Ints) -> Variants:
+            places = where[rows]
+            return self.at(places).with_thicknesses(**{name: values * share[places] for name, share in shares.items()})
+
+        least = Thinnest(np.full(count, np.nan), np.zeros(count, dtype=bool))
+        least.mm[where], least.changes_again[where] = least_values_mm(
+            lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual(), low[where], high[where]
+        )
+        return least
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
@@ -337,35 +353,6 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
         is_met = holds(values, rows[places])
         high[places[is_met]] = values[is_met]
         low[places[~is_met]] = values[~is_met]
-
-
-def _least_totals(variants: Variants, grid: Optimise) -> Thinnest:
-    """Return the least thickness of both layers together, in proportion, that stops each impact within the grid."""
-    ceramics, backings = variants.ceramics_mm, variants.backings_mm
-    totals = ceramics + backings
-    low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
-    layered = ceramics > 0.0
-    low[layered] = np.maximum(low[layered], grid.ceramic_thickness_mm.min / ceramics[layered])
-    high[layered] = np.minimum(high[layered], grid.ceramic_thickness_mm.max / ceramics[layered])
-    where = np.flatnonzero(low <= high)
-
-    def scaled(values: Floats, rows: Ints) -> Variants:
-        places = where[rows]
-        ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
-        return variants.at(places).with_thicknesses(ceramic_mm=ceramic_mm, backing_mm=backing_mm)
-
-    least = Thinnest(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
-    ends = low[where] * totals[where], high[where] * totals[where]
-    least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
-    return least
-
-
-def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
-    """Return two conditions: that rows with other thicknesses stop the impact, and that they are unusual.
-
-    `thick` returns the variants for thicknesses, mm, and the indices of their rows.
-    """
-    return lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual()
 
 
 def least_values_mm(
