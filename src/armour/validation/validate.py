@@ -3,7 +3,7 @@
 import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isnan, sqrt
+from math import isclose, isnan, sqrt
 from os import PathLike
 from typing import Any, Literal
 
@@ -301,9 +301,9 @@ def _calibrated_to(case: Case) -> str:
 
 def _equal(tested: float | str, value: object) -> bool:
     """Return whether the values of a test and of a case are equal, numbers to a relative difference of 1e-6."""
-    if isinstance(tested, str) or not isinstance(value, int | float):
-        return tested == value
-    return abs(value - tested) <= 1e-6 * abs(tested)
+    if isinstance(tested, int | float) and isinstance(value, int | float):
+        return isclose(tested, value, rel_tol=1e-6)
+    return tested == value
 
 
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
