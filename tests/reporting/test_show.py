@@ -61,7 +61,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, di
     item = Elasticity("ceramic.flow_stress_GPa", 5.0, {LIMIT: 0.6})
     found: list[tuple[Any, dict[str, Any]]] = [
         (calibrated, {}),
-        (Comparison(43.6, limit, (Prediction("the model", 723.8),), ""), {"scenario": scenario()}),
+        (Comparison(limit, (Prediction("the model", 723.8),), ""), {"scenario": scenario()}),
         (optimise(scenario(optimise=OFFERED)), {}),
         (v50(SHOTS), {}),
         (plan_shots(scenario(), SHOTS), {}),

@@ -41,9 +41,8 @@ def test_tested_armours_are_those_with_the_nearest_limits():
 
 def test_plain_data():
     data = json.loads(json.dumps(wilkins().to_dict()))
-    assert (
-        data["ballistic_limit_m_s"] == data["predictions"][0]["ballistic_limit_m_s"] == pytest.approx(723.778, abs=1e-3)
-    )
+    limit = data["limit"]["ballistic_limit_m_s"]
+    assert limit == data["predictions"][0]["ballistic_limit_m_s"] == pytest.approx(723.778, abs=1e-3)
     assert data["predictions"][1]["method"] == "k times areal density, fitted"
 
 

@@ -59,8 +59,6 @@ class Comparison(TableResult):
 
     Attributes
     ----------
-    areal_density_kg_m2, whole_areal_density_kg_m2 : float
-        Areal density of the armour without and with a back plate that exists already, kg/m².
     limit : LimitResult
         Ballistic limit by the model.
     predictions : tuple of Prediction
@@ -76,26 +74,11 @@ class Comparison(TableResult):
         plate of each metal.  Only tests with a core like that of the scenario count.
     """
 
-    areal_density_kg_m2: float
     limit: LimitResult
     predictions: tuple[Prediction, ...]
     tests: str
     florence_missing: tuple[str, ...] = ()
-    whole_areal_density_kg_m2: float = 0.0
     measured: tuple[MeasuredArmour, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the comparison as plain data."""
-        return {
-            "areal_density_kg_m2": self.areal_density_kg_m2,
-            "whole_areal_density_kg_m2": self.whole_areal_density_kg_m2,
-            "ballistic_limit_m_s": self.limit.ballistic_limit_m_s,
-            "predictions": [asdict(prediction) for prediction in self.predictions],
-            "tests": self.tests,
-            "measured": [asdict(armour) for armour in self.measured],
-            "florence_missing": self.florence_missing,
-            "warnings": self.warnings,
-        }
 
     @property
     def notes(self) -> tuple[Note, ...]:
@@ -133,8 +116,6 @@ def compare(scenario: Scenario, *, on_progress: OnProgress = ignore_progress) ->
     limit = ballistic_limit(scenario, on_progress=on_progress)
     florence = {} if missing else florence_limits(scenario)
     return Comparison(
-        areal_density_kg_m2=scenario.areal_density_kg_m2(),
-        whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         limit=limit,
         predictions=tuple(predictions_of(scenario, limit.ballistic_limit_m_s, florence)),
         tests=wilkins_tests().words(),
