@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -124,6 +125,14 @@ def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: "Client", tmp_
     [worker] = client.scheduler_info()["workers"]
     with pytest.raises(InputError, match=f'found "{worker}": that is a Worker'), connected(worker):
         pass
+
+
+def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
+    from distributed import LocalCluster
+
+    monkeypatch.setattr("distributed.LocalCluster", partial(LocalCluster, n_workers=1, processes=False))
+    with connected("local") as found:
+        assert list(found.nthreads().values()) == [1]
 
 
 def test_a_worker_without_armour_is_told(tmp_path: Path):

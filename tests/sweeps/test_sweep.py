@@ -106,13 +106,6 @@ def test_values_that_are_not_allowed_leave_nothing(tmp_path: Path, text: str, me
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_that_does_not_end_names_the_key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 5)
-    with pytest.raises(InputError, match=r"solver\.arrest_velocity_m_s: must let the run at 700 m/s"):
-        write_sweep(sweep_scenario(), sweep_grid("impact.velocity_m_s=700,800"), ["outcome"], tmp_path / "a.csv")
-    assert list(tmp_path.iterdir()) == []
-
-
 AGAIN = (
     "ballistic_limit_m_s: the outcome changes more than once with the impact velocity, and the lowest change is taken"
 )

@@ -31,24 +31,18 @@ def connected(scheduler: str) -> Iterator["Client"]:
     # Failures are reported once, by an error.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    if scheduler == "local":
-        with ExitStack() as started:
-            try:
-                cluster = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
-                client = started.enter_context(Client(cluster))
-            except Exception as error:  # of any kind, depending on what is wrong with Dask's settings
-                raise _error(f"cannot start a cluster on this machine: {error}") from None
-            yield client
-        return
-    try:
-        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
-        client = Client(scheduler, timeout=TIMEOUT_S)
-    except Exception as error:  # of any kind, depending on the kind of address
-        obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
-        raise _error(
-            f'must be "local" or the address of a Dask scheduler that answers, found "{scheduler}": {obstacle}'
-        ) from None
-    with client:
+    with ExitStack() as started:
+        try:
+            place: Any = scheduler
+            if scheduler == "local":
+                place = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
+            else:
+                asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
+            client = started.enter_context(Client(place, timeout=TIMEOUT_S))
+        except Exception as error:  # of any kind, depending on the kind of address and on Dask's settings
+            obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
+            must = 'must be "local" or the address of a Dask scheduler that answers'
+            raise _error(f'{must}, found "{scheduler}": {obstacle}') from None
         try:
             client.wait_for_workers(1, timeout=TIMEOUT_S)
         except TimeoutError:
