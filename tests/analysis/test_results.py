@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import armour
-from armour.analysis import results
 from armour.analysis.impact import impact_at, simulate
-from armour.analysis.results import data_frame, installed
+from armour.analysis.results import data_frame
 from armour.statistics.v50 import Shots, v50
 from armour.sweeps.sweep import sweep
 from tests.analysis.results import impact
@@ -82,17 +81,6 @@ def test_without_pandas(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ModuleNotFoundError, match="pandas"):
         data_frame({"a": [1.0]})
-
-
-def test_portions():
-    assert [list(range(10))[part] for part in results.portions(10, 4)] == [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9]]
-    assert not list(results.portions(0, 4))
-
-
-def test_versions_of_what_is_installed():
-    """A package may be missing."""
-    [(name, version)] = installed(["numpy", "no-such-package"])
-    assert (name, version) == ("numpy", np.__version__)
 
 
 def test_plain_data_is_json():

@@ -1,6 +1,5 @@
 """Compiled results are those of plain Python, bit by bit, in any order and number of threads."""
 
-import os
 from functools import cache
 
 import numpy as np
@@ -81,17 +80,6 @@ def test_arrays_of_any_layout(rows: batch.Floats):
         (np.repeat(rows, 2, axis=0)[::2], np.full(2 * COUNT, 700.0)[::2]),
     ):
         np.testing.assert_array_equal(batch.impacts(made, velocity).V, expected)
-
-
-def test_without_knowledge_of_the_cores_of_this_process(
-    rows: batch.Floats, velocities: batch.Floats, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
-    monkeypatch.delattr(os, "process_cpu_count", raising=False)
-    expected = batch.impacts(rows, velocities).V
-    monkeypatch.setattr(os, "cpu_count", lambda: None)
-    assert batch.available_cores() == 1
-    np.testing.assert_array_equal(batch.impacts(rows, velocities).V, expected)
 
 
 def test_searches_of_invalid_numbers_end(rows: batch.Floats):

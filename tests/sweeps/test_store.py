@@ -14,7 +14,7 @@ import pytest
 
 from armour.errors import InputError
 from armour.sweeps.store import Chunk, Store
-from armour.sweeps.tables import csv_of, is_csv, read_table, write_table
+from armour.sweeps.tables import is_csv, read_table, write_table
 
 on_unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs users")
 
@@ -307,11 +307,6 @@ def test_the_size_of_chunks_leaves_no_trace(tmp_path: Path, monkeypatch: pytest.
             contents.add(path.read_bytes())
         assert len(contents) == 1
         np.testing.assert_array_equal(read_table(tmp_path / f"4.{ending}")["x"], column)
-
-
-def test_texts_are_no_formulas_and_numbers_stay_numbers():
-    columns = {"name": np.array(["=1+1", "-1", "two\nlines"]), "x": np.array([-1.5, 1e-3, np.nan])}
-    assert csv_of(columns, header=True) == b"name,x\n'=1+1,-1.5\n'-1,0.001\ntwo\\nlines,\n"
 
 
 def test_parquet_without_pyarrow_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
