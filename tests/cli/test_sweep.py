@@ -84,11 +84,9 @@ def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytes
         patch.setattr("armour.sweeps.store.Store.finish", interrupted)
         [line] = cli.fails(130, *command)
     assert line == "interrupted; 5 of 5 rows are done; repeat the same sweep to resume"
-    with (folder / "t.csv.parts" / "rows").open("r+b") as rows:
-        rows.write(b"no database")
     result = cli(*command)
-    damaged = "t.csv.parts/rows: damaged, all rows are computed again"
-    assert (result.exit_code, result.stderr.splitlines()) == (0, [damaged, "wrote t.csv: 5 rows"])
+    resumed = "resuming t.csv.parts: 5 of 5 rows"
+    assert (result.exit_code, result.stderr.splitlines()) == (0, [resumed, "wrote t.csv: 5 rows"])
     assert (folder / "t.csv").read_text().count("\n") == 6
 
 
@@ -133,9 +131,7 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     done = subprocess.run([sys.executable, "-c", KILLED, *command, "-o", "t.csv"], check=False)
     assert done.returncode == -signal.SIGKILL
     assert (folder / "t.csv.parts" / "rows").exists()
-    assert re.match(
-        r"resuming t\.csv\.parts, written \d+ seconds? ago: 10 of 63 rows\n", cli(*command, "-o", "t.csv").stderr
-    )
+    assert cli(*command, "-o", "t.csv").stderr.startswith("resuming t.csv.parts: 10 of 63 rows\n")
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
     assert (folder / "t.csv").read_bytes().count(b"\n") == 21 * 3 + 1

@@ -23,7 +23,7 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import Shots, v50
 from armour.sweeps.sweep import sweep
-from armour.validation.comparison import Comparison
+from armour.validation.comparison import Comparison, Prediction
 from tests.analysis.results import impact
 from tests.helpers.cases import scenario
 from tests.helpers.suites import case
@@ -61,7 +61,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, di
     item = Elasticity("ceramic.flow_stress_GPa", 5.0, {LIMIT: 0.6})
     found: list[tuple[Any, dict[str, Any]]] = [
         (calibrated, {}),
-        (Comparison(43.6, limit, (), (impact(),), "", (), ()), {}),
+        (Comparison(limit, (Prediction("the model", 723.8),), ""), {"scenario": scenario()}),
         (optimise(scenario(optimise=OFFERED)), {}),
         (v50(SHOTS), {}),
         (plan_shots(scenario(), SHOTS), {}),

@@ -415,6 +415,18 @@ def test_columns_of_different_lengths_are_refused():
         armour.read_shots(columns)
 
 
+def test_cases_of_a_spreadsheet(tmp_path: Path):
+    (tmp_path / "t.csv").write_bytes(
+        b"\xef\xbb\xbfDicke Keramik [mm];backing thickness (in);\r\n6,35;0,25;\r\n8;0,5;\r\n"
+    )
+    found = armour.sweep(scenario(), cases=tmp_path / "t.csv", quantities="areal_density_kg_m2")
+    assert found["armour.ceramic_thickness_mm"].tolist() == [6.35, 8.0]
+    assert found["armour.backing_thickness_mm"].tolist() == [6.35, 12.7]
+    (tmp_path / "t.csv").write_text("ceramic.flow_stress_GPa;armour.ceramic_thickness_mm\n3,500;6\n")
+    with pytest.raises(InputError, match='must be a number with one meaning, found "3,500"'):
+        armour.sweep(scenario(), cases=tmp_path / "t.csv")
+
+
 def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()

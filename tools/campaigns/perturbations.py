@@ -18,7 +18,7 @@ from armour.scenario.inputs import INPUTS, ROLES, Kind
 from armour.scenario.keys import key_name
 from armour.scenario.scenario import Scenario
 from armour.validation.suite import Case, Suite, load_suite
-from armour.validation.validate import FAILED, paper_suite, validate
+from armour.validation.validate import FAILED, validate
 from tools.campaigns.verdict import verdict
 
 # Changes of an input, from the least: a result need not depend on it monotonically.
@@ -110,7 +110,7 @@ def survivors(suite: Suite, some: Iterable[Perturbation]) -> list[str]:
 
 def main() -> int:
     """Run all perturbations; the exit code is 3 if something scored stays within its band under all."""
-    suite = load_suite(paper_suite())
+    suite = load_suite("paper")
     left = survivors(suite, perturbations(suite))
     for name in left:
         print(f"{name}: no perturbation of up to {100.0 * STEPS[-1]:.0f} % makes it fail")

@@ -334,12 +334,8 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
     scanned = f"{points} velocities from {low:g} to {high:g} m/s"
     if not lowest_perforates:
         return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
-    if not crossings:
-        return f"no ballistic limit: all of {scanned} perforate; lower ballistic_limit.velocity_min_m_s"
-    return (
-        f"no ballistic limit: the lowest velocity, {low:g} m/s, perforates, but some higher velocities do not "
-        f"({_listed(crossings)}); lower ballistic_limit.velocity_min_m_s"
-    )
+    perforating = f"the lowest of {scanned} perforates" if crossings else f"all of {scanned} perforate"
+    return f"no ballistic limit: {perforating}; lower ballistic_limit.velocity_min_m_s"
 
 
 def _listed(crossings: tuple[Crossing, ...]) -> str:

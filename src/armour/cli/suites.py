@@ -38,8 +38,8 @@ def validate(
 ) -> None:
     """Check the model against a suite of cases.
 
-    The exit code is 3 if a value lies outside its band, with --update a value that is not replaced; if a band of more
-    than 10 % has no reason; or if no case is scored.
+    The exit code is 3 if a value lies outside its band, with --update a value that is not replaced; or if no case is
+    scored.
 
     Examples
     --------

@@ -207,7 +207,7 @@ class CheckResults(tuple[CheckResult, ...]):
     """Checks of several armours, a tuple."""
 
     def to_dataframe(self) -> Any:
-        """Return a row for each armour as a data frame of pandas, or else of polars; see `rows`."""
+        """Return a row for each armour as a data frame of pandas; see `rows`."""
         return data_frame(by_column(self.rows()))
 
     def rows(self) -> list[dict[str, object]]:

@@ -252,7 +252,7 @@ class DesignResult(TableResult):
     reported = shown
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
-        """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
+        """Return the frontier, or the Pareto front, as a data frame of pandas."""
         return data_frame(self._columns(designs))
 
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:

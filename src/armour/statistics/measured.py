@@ -117,7 +117,7 @@ class Tests:
             yield {"test": name, **{column: cells.get(column) for column in columns if column != "test"}}
 
     def to_dataframe(self) -> Any:
-        """Return the tests as a data frame of pandas, or else of polars: inputs and measurements by column."""
+        """Return the tests as a data frame of pandas: inputs and measurements by column."""
         return data_frame(by_column(self))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from armour.analysis.variants import MOST_MOVED_M_S, Floats, Variants, ballistic_limits, concatenated, moved_m_s
+from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
 from armour.csv_files import shipped_rows
 from armour.errors import counted
 from armour.evidence.caveats import is_long_rod
@@ -115,7 +115,6 @@ def unused(tests: Tests, role: str) -> list[str]:
     is_bare = q["ceramic_thickness_ratio"] == 0.0
     leave_out(is_bare & (role == "ceramic"), "it is of a bare plate")
     leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
-    leave_out(abs(moved_m_s(variants)) > MOST_MOVED_M_S, "settings of the scenario move its limit")
     evidence = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
     if role == "backing":
         held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence()]

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from armour.analysis.ballistic_limit import residual_velocity_curve
 from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
-from armour.reporting.views.validation import drawn_checks, limits_by_formulas
+from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
 from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
@@ -92,15 +93,16 @@ def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture
 
     Limits outside the range of the curve are named in the note.
     """
-    impact = [point.impact_velocity_m_s for point in result.curve]
-    limits = limits_by_formulas(result)
+    curve = residual_velocity_curve(drawing.recorded(result, "scenario"), result.limit)
+    impact = [point.impact_velocity_m_s for point in curve]
+    limits = [(each.method, each.ballistic_limit_m_s) for each in result.predictions[1:]]
     drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
     beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
     picture = sheet.panels(
         headline(result), 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else ""
     )
     [axes] = picture.axes
-    residual = [point.residual_velocity_m_s for point in result.curve]
+    residual = [point.residual_velocity_m_s for point in curve]
     axes.plot(impact, residual, color=drawing.COLOURS[0], label="the model")
     for (name, velocity), style in zip(drawn, drawing.STYLES[1:], strict=False):
         axes.axvline(velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE)

@@ -1,7 +1,6 @@
 """Tables and reports of suites, of the paper's figures, and of comparisons with simpler formulas."""
 
 from collections.abc import Mapping, Sequence
-from itertools import zip_longest
 from math import ceil, floor, log10
 
 from armour import __version__
@@ -15,11 +14,11 @@ from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, nu
 from armour.reporting.views.analysis import armour_words, crossings, limits_in_words, measured_here
 from armour.reporting.words import said_of
 from armour.statistics.measured import LIMIT
-from armour.validation.comparison import Comparison, Error
+from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.formulas import florence_name
 from armour.validation.suite import Case
 from armour.validation.suite_sections import CASES
+from armour.validation.tested import wilkins_tests
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
@@ -348,38 +347,21 @@ def figure_table(panels: Sequence[Figure]) -> Table:
     return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
 
-def limits_by_formulas(result: Comparison, *, full: bool = True) -> list[tuple[str, float]]:
-    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula.
-
-    The `full` name says what mass and diameter the projectile of Florence's formula has.
-    """
-    name = florence_name if full else (lambda each: f"Florence, {each.projectile}")
-    florence = [(name(each), each.ballistic_limit_m_s) for each in result.florence]
-    power = {rule: f" ^ {rule.p:.3g}" if rule.p_fitted else "" for rule in result.rules}
-    rules = [(f"k times areal density{power[rule]}, fitted", rule.ballistic_limit_m_s) for rule in result.rules]
-    return [*florence, *rules]
-
-
 def comparison_table(result: Comparison) -> Table:
     """Tabulate the ballistic limits by the model and by formulas, with their errors on tests.
 
-    Only with `every_row` in the question is there a rule with a fitted exponent, and the errors of tests left out.
+    Only with `every_row` in the question are there errors of tests that are left out of the fit.
     """
-    every_row, first_rule = bool(result.question.get("every_row")), 1 + len(result.florence)
-    limits = [("the model", result.limit.ballistic_limit_m_s), *limits_by_formulas(result, full=every_row)]
-    rows = [(*limit, *_errors(error)) for limit, error in zip_longest(limits, result.errors)]
-    rules = rows[first_rule:] if every_row else rows[first_rule : first_rule + 1]
-    on_tests = f"mean error on {counted(result.errors[0].count, 'test')}" if result.errors else ""
-    labels = [on_tests, "largest", "each predicted from the others"][: 2 + every_row]
-    columns = Column("by", prose=True), Column("limit", "m/s", ".0f"), *map(Column, labels)
-    parts = 2 + len(labels)
-    return Table.of_rows(columns, [row[:parts] for row in (rows[0], *rules, *rows[1:first_rule])])
-
-
-def _errors(error: Error | None) -> tuple[Cell, ...]:
-    """Return the mean and the largest error of a method in words, and the mean over tests left out of its fit."""
-    errors = () if error is None else (error.mean_percent, error.largest_percent, error.left_out_percent)
-    return tuple(None if part is None else f"{part:.1f} %" for part in errors or [None] * 3)
+    model, count = result.predictions[0], len(wilkins_tests().limits)
+    labels = [f"mean error on {counted(count, 'test')}" if model.mean_percent is not None else "", "largest"]
+    labels += ["each predicted from the others"] * bool(result.question.get("every_row"))
+    keys = ("mean_percent", "largest_percent", "left_out_percent")
+    errors = [
+        (Column(label), lambda each, key=key: None if (part := getattr(each, key)) is None else f"{part:.1f} %")
+        for label, key in zip(labels, keys, strict=False)
+    ]
+    limit = Column("limit", "m/s", ".0f"), lambda each: each.ballistic_limit_m_s
+    return Table.of(result.predictions, (Column("by", prose=True), lambda each: each.method), limit, *errors)
 
 
 def measured_table(result: Comparison) -> Table:
@@ -389,12 +371,10 @@ def measured_table(result: Comparison) -> Table:
 
 
 def rule_note(result: Comparison) -> str:
-    """Return a note on the areal density rules: their factors and tests, or why there are none."""
-    if not result.rules:
-        return f"no errors, without tests of this round and these materials; there are {result.tests}"
-    factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
-    tests = f"{result.tests}, as was the model's flow stress"
-    return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {tests}"
+    """Return a note on the areal density rule: its factor and tests, or why there is none."""
+    if rule := next((each for each in result.predictions[1:] if each.fitted), None):
+        return f"{rule.fitted}: {result.tests}, as was the model's flow stress"
+    return f"no errors, without tests of this round and these materials; there are {result.tests}"
 
 
 @line_of.register
@@ -414,7 +394,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
     shown += [comparison_table(result), *said_of(result.limit.notes), *crossings(result.limit)]
     shown += [f"Florence's limit: none, without {missing}"] if missing else []
-    shown += [rule_note(result)] if every_row or not result.rules else []
+    shown += [rule_note(result)] if every_row or result.predictions[0].mean_percent is None else []
     if every_row:
         shown.append(Table.of_facts({"armour": armour_words(result.limit)}))
         shown += [measured_table(result)] if result.measured else []
