@@ -1,4 +1,4 @@
-"""Tables that people write, as CSV or as a sheet: shots, tests and cases; every mistake is reported, with its line."""
+"""Tables of shots, tests and cases, from CSV, a sheet, Parquet or Python; every mistake is reported, with its line."""
 
 import csv
 import json
@@ -28,7 +28,10 @@ MAX_TABLE_ROWS = 100_000
 MAX_LINE = 100_000
 # Number of first lines among which the header is; least number of known names in a header that is not the first line.
 HEAD, LEAST_NAMES = 40, 2
+# Words for the separators of columns, those between which a comma may mark decimals, and words for encodings.
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+WITH_DECIMAL_COMMAS = (";", "\t")
+ENCODINGS = {"utf-16-le": "UTF-16", "utf-16-be": "UTF-16", "cp1252": "Windows-1252"}
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 # Relative difference of two numbers that are rounded in different units, and of several velocities of one shot.
@@ -63,7 +66,10 @@ class Source:
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
     above: Sequence[str] = ()  # lines above the header
-    form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
+    separator: str = ""  # of the columns of CSV
+    encoding: str = "utf-8"  # of CSV; "cp1252" once a line is not UTF-8
+    sheet: str = ""  # of a workbook
+    conversions: list[str] = field(default_factory=list)  # other ways in which cells are not plain, in words
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
     problems: list[Problem] = field(default_factory=list)  # in the lines
     marked: dict[str, str] = field(default_factory=dict)  # rows of a sheet that are hidden or struck through, by place
@@ -108,7 +114,7 @@ class Source:
         A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
         `needed`.
         """
-        mark = mark or decimal_mark(cells, column, self.form) or ""
+        mark = mark or decimal_mark(cells, column, self.separator) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
         if not mark or None in values:
             for index, cell in enumerate(cells):
@@ -117,7 +123,7 @@ class Source:
                     self.wrong(f"{at[index]}: {name}", message or f'must be a number, found "{cell}"')
                     values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
-        self.form += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
+        self.conversions += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
         return [None if value is None else value * column.factor for value in values], mark
 
     def refuse(self) -> None:
@@ -127,7 +133,14 @@ class Source:
 
     def told(self, rows: str, notes: Sequence[str] = ()) -> tuple[str, bool]:
         """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
-        words = [*dict.fromkeys(self.form)]
+        form = (
+            SEPARATORS.get(self.separator, ""),
+            ENCODINGS.get(self.encoding, ""),
+            f"sheet {self.sheet}" * bool(self.sheet),
+            f"{counted(len(self.above), 'line')} above the header" * bool(self.above),
+            *self.conversions,
+        )
+        words = [*dict.fromkeys(filter(None, form))]
         return ", ".join([*words, rows, *notes]), words in ([], ["commas"]) and not notes
 
 
@@ -246,7 +259,7 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
     head = [*islice(texts, HEAD)]
     declared = re.fullmatch(r"sep=([,;\t])\s*", head[0]) if head else None
     if head and declared:
-        source.form.append("sep=")
+        source.conversions.append("sep=")
         head[0] = "\n"
     filled = [text for text in head if text.strip(",;\t\r\n ")]
 
@@ -255,9 +268,8 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
         count, place = _most_known(rows, known)
         return count, len(rows[place]) if rows else 0
 
-    separator = declared[1] if declared else max(SEPARATORS, key=names)
-    source.form.insert(0, SEPARATORS[separator])
-    return _with_header(source, _cells(path, chain(head, texts), separator), known)
+    source.separator = declared[1] if declared else max(SEPARATORS, key=names)
+    return _with_header(source, _cells(path, chain(head, texts), source.separator), known)
 
 
 def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> tuple[int, int]:
@@ -276,8 +288,6 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     above = _most_known([cells for _, cells in head], known)[1]
     source.above = [", ".join(filter(None, cells)) for _, cells in head[:above]]
     (source.place, header), *head = head[above:]
-    if above:
-        source.form.append(f"{counted(above, 'line')} above the header")
     while header and not header[-1] and not any(cells[len(header) - 1 : len(header)] > [""] for _, cells in head):
         header.pop()
     if any(len(name) > MAX_NAME for name in header):
@@ -306,9 +316,8 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
             refuse_pipe(path)
         with open(path, "rb") if content is None else BufferedReader(BytesIO(content)) as file:
             start = file.peek(2)[:2]
-            encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(start, "utf-8")
+            source.encoding = encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(start, "utf-8")
             errors = "surrogateescape" if encoding == "utf-8" else "strict"
-            source.form += ["UTF-16"] if encoding != "utf-8" else []
             with TextIOWrapper(file, encoding, errors, newline="") as text:
                 for place, line in enumerate(iter(lambda: text.readline(MAX_LINE), ""), 1):
                     if len(line) == MAX_LINE:
@@ -317,8 +326,7 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
                         raise mistake(path, f"line {place}", "must be text, found a binary file")
                     source.digest.update(line.encode(encoding, errors))
                     if not line.isascii() and _UNDECODED.search(line):
-                        line = _windows(path, place, line)
-                        source.form += ["Windows-1252"] * ("Windows-1252" not in source.form)
+                        line, source.encoding = _windows(path, place, line), "cp1252"
                     yield line.removeprefix("\ufeff") if place == 1 else line
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
@@ -359,11 +367,10 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[
         workbook = workbook_of(path, content)
         if sheet is not None and sheet not in workbook.sheets:
             raise mistake(path, "", f"must have the sheet {sheet}, found {listed([*workbook.sheets])}")
-        name = _only_table(workbook, known) if sheet is None else sheet
-        source.form.append(f"sheet {name}")
-        if places := comments_of(workbook, name):
-            source.form.append(f"without the comments of {listed(places)}")
-        for number, cells, mark in rows_of(workbook, name):
+        source.sheet = _only_table(workbook, known) if sheet is None else sheet
+        if places := comments_of(workbook, source.sheet):
+            source.conversions.append(f"without the comments of {listed(places)}")
+        for number, cells, mark in rows_of(workbook, source.sheet):
             source.marked |= {f"row {number}": mark} if mark else {}
             yield f"row {number}", cells
     except InputError:
@@ -437,7 +444,7 @@ def read_rows(
     repeated: dict[str, dict[str, list[float | None]]] = {}
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
-        if source.form and source.form[0].startswith("sheet ") and column.key in kind.needed and {*cells} == {""}:
+        if source.sheet and column.key in kind.needed and {*cells} == {""}:
             raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
         if column.known and column.key in kind.numbers:
             numbers, _ = source.numbers(name, column, places, cells)
@@ -497,7 +504,7 @@ def _check_unread(source: Source, name: str, cells: Sequence[str], noun: str) ->
     Numbers of which more than half differ are measured, and divide the rows only if they lie in two groups far apart,
     as yaw angles do of which some are too great.
     """
-    values, mark = {*cells}, decimal_mark(cells, Column(name), source.form) or "."
+    values, mark = {*cells}, decimal_mark(cells, Column(name), source.separator) or "."
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
@@ -559,7 +566,7 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
             row.texts[column.key] = "perforated" if column.says(cell) else "stopped"
         elif cell:
             row.texts[column.key] = csv_value(cell)
-    source.form += ["x for yes"] * (words is not cells)
+    source.conversions += ["x for yes"] * (words is not cells)
 
 
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
@@ -569,7 +576,7 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
         column, cells = columns[place], [cells[place] for _, cells in lines]
         if column.yes is not None:
             return [nan if (said := column.says(cell)) is None else said for cell in column.words(cells)]
-        mark = decimal_mark(cells, column, source.form) or "."
+        mark = decimal_mark(cells, column, source.separator) or "."
         return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
 
     kept, first_places = [*columns], dict[str, int]()
@@ -683,14 +690,14 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
     return equal
 
 
-def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
+def decimal_mark(cells: Iterable[str], column: Column, separator: str) -> str | None:
     """Return the decimal mark of a column, by its cells and the bounds of its quantity; None if both are possible.
 
     The mark is a point in a table with commas between its columns, unless a cell has a comma.
     """
     cells = [cell for cell in cells if cell]
     has_commas = any("," in cell for cell in cells)
-    if not has_commas and not {"semicolons", "tabs"} & {*form}:
+    if not has_commas and separator not in WITH_DECIMAL_COMMAS:
         return "."
     low, high = column.bounds
     read: dict[str, list[float | None]] = {}
@@ -703,7 +710,7 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
             fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
     if len(fitting) == 2 and read["."] != read[","]:
         return None
-    usual = ",." if {"semicolons", "tabs"} & {*form} else ".,"
+    usual = ",." if separator in WITH_DECIMAL_COMMAS else ".,"
     return [*fitting, *whole, min(usual, key=lambda mark: read[mark].count(None))][0]
 
 

@@ -44,7 +44,7 @@ def test_the_error_is_known_where_the_limit_moves_by_a_metre_per_second_at_most(
 def test_designs_have_the_probability_of_their_armour(step_us: float, is_known: bool):
     layers = {"ceramic": [{"material": "AD85", "thickness_mm": [5.5]}]}
     layers["backing"] = [{"material": "6061-T6", "thickness_mm": [6.35]}]
-    case = scenario(velocity=500.0, design={**layers, "confidence": 0.9}, solver={"time_step_us": step_us})
+    case = scenario(velocity=500.0, design={**layers, "probability_of_stopping": 0.9}, solver={"time_step_us": step_us})
     result = armour.optimise(case)
     assert (result.best is not None) == is_known
     assert ("moves the ballistic limit by" in result.shown.check.threats[0].reason) != is_known

@@ -142,8 +142,6 @@ def test_what_threats_replace_cannot_be_changed(cli, change: str):
         ("design.areal_density_max_kg_m2=20", "FAILS: areal density 50.8 kg/m², at most 20 kg/m² allowed"),
         ("design.thickness_max_mm=5", "FAILS: thickness 16 mm, at most 5 mm allowed"),
         ("design.cost_max_per_m2=3", "(90 % required)"),
-        ("design.added_thickness_mm=4", "50.8 kg/m², 20 mm"),
-        ("design.added_areal_density_kg_m2=4", "54.8 kg/m², 16 mm"),
         ("uncertainty.impact.velocity_m_s.standard_deviation=100", "at 850 m/s with 45.2 % (sampled "),
     ],
 )
@@ -335,10 +333,9 @@ def test_a_requirement_on_the_command_line_is_a_floor(cli, folder: Path):
         result = cli("check", "weak.toml", option, "0.9999")
         assert result.exit_code == 3
         assert "(99.99 % required)" in result.stdout
-        assert "the scenario requires 60 %, less than the 99.99 % asked for" in result.stdout
     lower = cli("check", "weak.toml", "--probability", "55%")
     assert lower.exit_code == 0
-    assert "the scenario requires 60 %, more than the 55 % asked for" in lower.stdout
+    assert "(60 % required)" in lower.stdout
     assert cli.fails(2, "check", "weak.toml", "--probability", "95") == [
         "command line: --probability: must be less than 1, found 95; did you mean 0.95?"
     ]

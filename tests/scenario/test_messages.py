@@ -124,8 +124,6 @@ uncertainty.samples = 200.5
     uncertainty.samples: must be a whole number, found 200.5
 uncertainty.samples = 1000
     uncertainty.samples: must be a power of 2 for Sobol' points, such as 1024, found 1000
-uncertainty = { samples = 2097153, method = "latin hypercube" }
-    uncertainty.samples: must be at most 2097152 for a Latin hypercube, found 2097153
 uncertainty.impact.velocity_m_s = { distribution = "normal" }
     uncertainty.impact.velocity_m_s: must have standard_deviation or standard_deviation_percent, and not both
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1, standard_deviation_percent = 1 }

@@ -83,7 +83,7 @@ WHOLE["armour"]["layer"] = [
 # Values one of which every key may have in place of its own.
 OTHERS: list[Any] = [
     *(0.9, 1.1, 2.0, 30.0, 250.0, 700.0, 256, 5, 0.01, 0.2, False, True, "other", "projectile", "AD99.5", "C"),
-    *("7075-T6", "7.62 mm APM2", "latin hypercube", "thickness_mm", "lognormal", "uniform", "fitted", [], ["a"], [7.5]),
+    *("7075-T6", "7.62 mm APM2", "thickness_mm", "lognormal", "uniform", "fitted", [], ["a"], [7.5]),
     *([1.0, 2.0], ["areal_density_kg_m2", "margin_m_s"], ["impact.velocity_m_s", "ceramic.density_kg_m3"], NORMAL),
     *([{"test": "1"}], [{"material": "SiC", "thickness_mm": [8.0]}], [{"slope": 0.5, "components": [[1.0] * 4]}]),
     *("NIJ 0101.06 type IV, M2 AP", {"N": {"based_on": "AD85"}}, {"N": {"based_on": "5083-H3"}}, {}, EVIDENCE),

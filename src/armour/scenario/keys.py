@@ -23,28 +23,24 @@ MAX_KEY = 5000
 LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
 KeyPath = tuple[str | int, ...]
-# Tokens of TOML: brackets, ends of lines, and texts and comments, in which brackets and ends of lines do not count.
-_TOKEN = re.compile(
-    r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|\#[^\n]*|[][{}\n]''', re.DOTALL
-)
+# Greatest number of lines of a statement in a file whose lines are told.
+MAX_LINES = 500
 
 
 class Whole(dict[str, Any]):
     """A table that replaces an existing one; any other table is merged into it."""
 
 
-def nfc(name: str) -> str:
-    """Return a name in the Unicode form in which names are compared; "é" may be typed as one character or as two."""
-    return unicodedata.normalize("NFC", name)
+def plain_name(name: str) -> str:
+    """Return a name in the form in which names are compared, equal for those that look the same, as "AD85 " and "AD85".
 
-
-def look_of(name: str) -> str:
-    """Return a form of a name that is equal for names that look the same, such as "AD85" and "AD85 "."""
+    A no-break space is a space, and "é" may be typed as one character or as two.
+    """
     return " ".join(unicodedata.normalize("NFKC", name).split())
 
 
-def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
-    """Return a copy of a value as Python's own, with the keys of its tables in the form in which names are compared.
+def with_plain_keys(value: Any, file: str, parts: KeyPath = ()) -> Any:
+    """Return a copy of a value as Python's own, with the keys of its tables as `plain_name` has them.
 
     A section becomes a `Whole` table of the values that it was given, which are thus validated again.
     """
@@ -54,13 +50,13 @@ def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
         value = plain(value)
         if isinstance(value, str | bytes) or not hasattr(value, "__len__"):
             return value
-        return [in_nfc(inner, file, (*parts, i)) for i, inner in enumerate(items(value))]
+        return [with_plain_keys(inner, file, (*parts, i)) for i, inner in enumerate(items(value))]
     table: dict[Any, Any] = Whole() if isinstance(value, Whole) else {}
     for key, inner in value.items():
-        name = nfc(key) if isinstance(key, str) else key
+        name = plain_name(key) if isinstance(key, str) else key
         if name in table:
-            raise mistake(file, key_name((*parts, name)), "must be given once, found it in two Unicode forms")
-        table[name] = in_nfc(inner, file, (*parts, name))
+            raise mistake(file, key_name((*parts, name)), "must be given once, found it in two forms that look alike")
+        table[name] = with_plain_keys(inner, file, (*parts, name))
     return table
 
 
@@ -90,7 +86,7 @@ def parts_of(key: str) -> Parts:
     parts: Parts = ()
     if not isinstance(key, str) or len(key) > MAX_KEY:
         raise ValueError(key)
-    key = nfc(key)
+    key = plain_name(key)
     if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
         parts = tuple(key.split("."))
     else:
@@ -163,11 +159,7 @@ def lines_of(text: str) -> dict[str, int]:
     lines: dict[str, int] = {}
     counts: dict[str, int] = {}
     table: KeyPath = ()
-    for line, statement in _statements(text):
-        try:
-            data = tomllib.loads(statement)
-        except tomllib.TOMLDecodeError:
-            break
+    for line, statement, data in _statements(text):
         is_header = statement.lstrip().startswith("[")
         if is_header:
             table = _header(data, counts)
@@ -176,15 +168,21 @@ def lines_of(text: str) -> dict[str, int]:
     return lines
 
 
-def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the statements of a TOML text, each with the number of its first line, from 1."""
-    start, line, depth = 0, 1, 0
-    for token in _TOKEN.finditer(f"{text}\n"):
-        depth += (token[0] in "[{") - (token[0] in "]}")
-        if token[0] == "\n" and depth <= 0:
-            statement = text[start : token.end()]
-            yield line, statement
-            start, line = token.end(), line + statement.count("\n")
+def _statements(text: str) -> Iterator[tuple[int, str, dict[str, Any]]]:
+    """Yield the number of the first line, from 1, the text and the content of each statement of a TOML text.
+
+    A statement ends with the first line up to which it is valid.
+    """
+    first, statement = 1, ""
+    for number, line in enumerate(text.split("\n"), 1):
+        statement += f"{line}\n"
+        try:
+            yield first, statement, tomllib.loads(statement)
+        except tomllib.TOMLDecodeError:
+            if number - first < MAX_LINES:
+                continue
+            return
+        first, statement = number + 1, ""
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
@@ -294,7 +292,8 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
             message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}{listed}"
             problems.append(Problem("command line", "--set", message))
             continue
-        key, value = key_and_value[0], in_nfc(key_and_value[1], "command line", (f"--set {key_and_value[0]}",))
+        key, value = key_and_value
+        value = with_plain_keys(value, "command line", (f"--set {key}",))
         if key in changes and changes[key] != value:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))

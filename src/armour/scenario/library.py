@@ -19,7 +19,7 @@ from armour.errors import CHOOSE, MAX_WORDS, InputError, Note, Problem, listed, 
 from armour.files import read_toml, shipped, shipped_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
-from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
+from armour.scenario.keys import describe, key_name, plain_name, with_plain_keys
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
 from armour.units import GPA, MPA, words_and_unit
 
@@ -148,14 +148,6 @@ class OwnTests(Section):
     reason: str = ""
     """Reason why the tests do not determine the model error."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _without_version_1(cls, data: Any) -> Any:
-        """Drop the evidence written by version 1, which holds no tests."""
-        if not isinstance(data, dict) or "measured" not in data:
-            return data
-        return {"source": data.get("source"), "reason": "it was calibrated by armour 1: calibrate it again"}
-
     @model_validator(mode="after")
     def _complete(self) -> "OwnTests":
         if not self.law:
@@ -182,7 +174,7 @@ class OwnTests(Section):
         )
 
 
-Name = Annotated[str, AfterValidator(nfc)]
+Name = Annotated[str, AfterValidator(plain_name)]
 
 
 class Entry(Section):
@@ -458,9 +450,9 @@ def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
     """Return a hint for a name that is not in the library: similar entries, or the closest one of `names`.
 
-    A name that looks the same comes first.  Next come the entries whose names contain the name; if there are none, its
-    first part, as with "5083-H32"; and then those whose descriptions contain it, as with "alumina".  If the name has a
-    calibre, projectiles of another calibre are left out.
+    First come the entries whose names contain the name; if there are none, its first part, as with "5083-H32"; and then
+    those whose descriptions contain it, as with "alumina".  If the name has a calibre, projectiles of another calibre
+    are left out.
     """
     entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
     if calibres := _matches(CALIBRE, name):
@@ -469,8 +461,6 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
             for entry in entries
             if entry.kind != "projectile" or calibres & _matches(CALIBRE, " ".join((entry.name, *entry.aliases)))
         ]
-    if same := [known for known in names if look_of(known) == look_of(name)]:
-        return suggestion(name, same)
     for template in shipped_files("scenarios/templates", ".toml"):
         if all(part in "".join(name.casefold().split()) for part in template.split("_")):
             return f"; for this round there is a template: armour init --from templates/{template}"
@@ -571,7 +561,7 @@ class Library:
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
         names = self.known(kind)
-        name = nfc(name) if isinstance(name, str) else name
+        name = plain_name(name) if isinstance(name, str) else name
         if name not in names:
             words = f"must name a {kind} of the library, found {describe(name)}"
             raise mistake("library", "name", words + hint(str(name), self.entries[kind].values(), names))
@@ -589,7 +579,7 @@ class Library:
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         if not isinstance(tables, LibraryTables):
-            data = in_nfc(tables, file)
+            data = with_plain_keys(tables, file)
 
             def read(rest: Mapping[str, Any]) -> Library:
                 return self.extended(LibraryTables.model_validate(rest), file, prefix)
@@ -609,7 +599,6 @@ class Library:
             resolved, mistakes = _resolved(kind, added, self.entries[kind], file, table)
             entries[kind] |= {name: resolved[name] for name in added if name in resolved}
             problems += [*mistakes, *_ambiguous(added, entries[kind], file, table)]
-            problems += _alike(added, self.known(kind), file, table)
             for name, earlier, entry in Library(entries).renamed(kind, self):
                 if not (earlier.name == entry.name and added[entry.name].based_on == entry.name):
                     replaced = f"the {name} of {earlier.file or 'the shipped library'}"
@@ -637,19 +626,6 @@ def _ambiguous(
             if other != name:
                 message = f'must be names of this entry alone, found "{alias}", a name of "{other}" too'
                 yield Problem(file, key_name((*table, name, "aliases")), message)
-
-
-def _alike(added: Mapping[str, Entry], known: Iterable[str], file: str, table: tuple[str, ...]) -> Iterator[Problem]:
-    """Yield a problem for each name in a table of a file that is blank, or looks like another name of the same kind."""
-    names = {look_of(name): name for name in known}
-    for owner, entry in added.items():
-        for name in (owner, *entry.aliases):
-            key = key_name((*table, owner) if name == owner else (*table, owner, "aliases"))
-            other = names.setdefault(look_of(name), name)
-            if not look_of(name):
-                yield Problem(file, key, "must not be blank")
-            elif other != name:
-                yield Problem(file, key, f'must not look like another name, found "{name}" and "{other}"')
 
 
 def _resolved(
@@ -824,7 +800,7 @@ def search_library(words: Sequence[str]) -> list[tuple[Any, str, Any]]:
     library, threats = shipped_library(), named_threats()
     kinds: dict[Any, Mapping[str, Any]] = {**library.entries, "threat": threats}
     kind_of = {f"{kind}{plural}": kind for kind in kinds for plural in ("", "s")}
-    name_asked = nfc(" ".join(words))
+    name_asked = plain_name(" ".join(words))
     asked = name_asked.casefold().split()
     called, alike = list[tuple[Any, str, Any]](), list[tuple[Any, str, Any]]()
     for kind in ("projectile", "ceramic", "threat", "metal"):

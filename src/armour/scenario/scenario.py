@@ -9,7 +9,7 @@ from functools import cached_property
 from hashlib import sha256
 from importlib import import_module
 from inspect import getsource
-from itertools import chain, pairwise, zip_longest
+from itertools import chain, pairwise
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
@@ -19,7 +19,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
+from armour.errors import InputError, Note, Problem, choices, joined, mistake, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
 from armour.scenario import schema
 from armour.scenario.checked import checked
@@ -41,12 +41,12 @@ from armour.scenario.keys import (
     Whole,
     changed,
     describe,
-    in_nfc,
     key_name,
     leaves,
-    look_of,
     parts_of,
+    plain_name,
     values_by_key,
+    with_plain_keys,
     without_none,
 )
 from armour.scenario.library import (
@@ -128,17 +128,13 @@ class Scenario(Section):
     """Projectiles and materials that the scenario adds to the library."""
 
     _entries: Library = PrivateAttr(default_factory=Library)
-    _floors: tuple[Note, ...] = PrivateAttr(default=())
     _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
     def model_post_init(self, context: Any) -> None:
-        """Validate a scenario that is made of its sections as `parse_scenario` does."""
+        """Refuse a scenario that is made of sections, without its library."""
         if context is None:
-            scenario = parse_scenario(self.model_dump(exclude_unset=True, warnings=False))
-            self.__dict__.update(scenario.__dict__)
-            self._entries, self._source = scenario._entries, scenario._source
+            raise mistake("Scenario", "", "must be made by load_scenario or parse_scenario")
 
-    @checked
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """Return a copy, with the sections in `update` in place of its own; it is validated as by `replaced`."""
         if update is None:
@@ -240,20 +236,9 @@ class Scenario(Section):
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
         return Parameters(**(fields | self.model.laws()))
 
-    @property
-    def inert_layers(self) -> tuple[schema.InertLayer, ...]:
-        """Layers without ballistic effect; last comes what the section ``design`` adds, without name and place."""
-        section = self.design or schema.DesignSection()
-        names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
-        amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
-        given = {name for name in names if f"added_{name}" in section.model_fields_set}
-        unnamed = {"name": "", "place": "", **amounts}
-        added = [schema.InertLayer.model_construct(given, **unnamed)] if any(amounts.values()) else []
-        return (*self.armour.layer, *added)
-
     def inert(self, key: str) -> float:
         """Return the sum of a quantity of the layers without ballistic effect, such as "thickness_mm"."""
-        return sum((getattr(layer, key) for layer in self.inert_layers), 0.0)
+        return sum((getattr(layer, key) for layer in self.armour.layer), 0.0)
 
     def cross_section(self) -> list[tuple[str, str, float]]:
         """Return the layers from the front, each as "ceramic", "metal" or "inert" with its name and thickness, mm."""
@@ -289,7 +274,7 @@ class Scenario(Section):
 
     def cost_per_m2(self) -> float | None:
         """Return the cost of the armour per m², without a back plate that exists; None unless all layers have costs."""
-        if self.design is None or not all(layer.has_cost() for layer in self.inert_layers):
+        if self.design is None or not all(layer.has_cost() for layer in self.armour.layer):
             return None
         total, armour, parameters = self.inert("cost_per_m2"), self.armour, self.core_armour()
         for options, name, density, thickness in (
@@ -302,16 +287,6 @@ class Scenario(Section):
             elif thickness > 0.0:
                 return None
         return total
-
-    def unused_densities(self) -> tuple[Note, ...]:
-        """Return a warning for each density that the section ``design`` gives to a material of this armour in vain."""
-        notes, parameters = [], self.core_armour()
-        for role, density in {"ceramic": parameters.rho_c, "backing": parameters.rho_B}.items():
-            for i, layer in enumerate(getattr(self.design, role, ())):
-                if layer.material == self.name_of(role) and layer.density_kg_m3 not in (None, density):
-                    text = f"is not used: {layer.material} has {density:g} kg/m³ in the armour as given"
-                    notes.append(Note(text, f"design.{role}[{i}].density_kg_m3"))
-        return tuple(notes)
 
     def cosine(self) -> float:
         """Return the cosine of the obliquity."""
@@ -398,37 +373,16 @@ class Scenario(Section):
 
     @checked
     def requiring(self, probability: schema.RequiredProbability | None) -> "Scenario":
-        """Return the scenario with a least probability of stopping each threat; a higher one that it requires stays.
-
-        The answers for the scenario say where it requires another probability itself.
-        """
+        """Return the scenario with a least probability of stopping each threat; a higher one that it requires stays."""
         if probability is None:
             return self
-        section, most, tables = (
-            self.design or schema.DesignSection(),
-            1.0 - probability,
-            self.to_dict().get("threat", []),
-        )
-        changes: dict[str, object] = {"threat": tables} if tables else {}
-        if (section.required_probability or 0.0) < probability:
-            changes["design.confidence" if section.confidence else "design.probability_of_stopping"] = probability
-        floors = []
-        for threat, table in zip_longest(self.threats(), tables):
-            bound = section.bound(threat)
-            if table and (threat.probability_of_perforation or 0.0) > most:
+        section, most = self.design or schema.DesignSection(), 1.0 - probability
+        tables = self.to_dict().get("threat", [])
+        for table in tables:
+            if table.get("probability_of_perforation", 0.0) > most:
                 table["probability_of_perforation"] = most
-            if bound not in (None, most):
-                own, relation = f"{100.0 - 100.0 * bound:.6g} %", "less" if bound > most else "more"
-                words = f"the scenario requires {own}, {relation} than the {100.0 * probability:.6g} % asked for"
-                floors.append(Note(words + f", against {threat.title}" * bool(tables), said="caveat"))
-        required = self.replaced(changes)
-        required._floors = tuple(dict.fromkeys(floors))
-        return required
-
-    @property
-    def floors(self) -> tuple[Note, ...]:
-        """Where the scenario itself requires another probability than `requiring` asked for."""
-        return self._floors
+        least = max(probability, section.probability_of_stopping or 0.0)
+        return self.replaced({"design.probability_of_stopping": least, **({"threat": tables} if tables else {})})
 
     def to_toml(self, folder: str | PathLike[str] | None = None) -> str:
         """Return the scenario as the text of a TOML file, in which paths of library files are relative to a folder.
@@ -647,7 +601,7 @@ def _parsed(source: _Source) -> Scenario:
         raise InputError(list(dict.fromkeys((*problems, *own)))) from None
     looks: set[str] = set()
     for i, threat in enumerate(scenario.threat):
-        if (look := look_of(threat.title)) in looks:
+        if (look := plain_name(threat.title)) in looks:
             message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
         looks.add(look)
@@ -667,8 +621,8 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
     Inputs are set last.  Changed numbers of the section ``library`` lose the source of the earlier number.
     """
     groups: list[tuple[Mapping[str, Any], Mapping[Parts, object]]] = []
-    data = in_nfc(data, file)
-    for group in (in_nfc(group, file) for group in changes if group):
+    data = with_plain_keys(data, file)
+    for group in (with_plain_keys(group, file) for group in changes if group):
         by_role = {key: value for key, value in group.items() if _names_a_role(key)}
         by_key = {key: value for key, value in group.items() if key not in by_role}
         source, data = _Source(dict(data), file, folder), changed(data, by_key, file)

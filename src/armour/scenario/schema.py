@@ -20,7 +20,7 @@ from pydantic import (
 from armour.core import equations
 from armour.errors import choices
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
-from armour.scenario.keys import nfc
+from armour.scenario.keys import plain_name
 from armour.scenario.library import (
     LEAST_SCATTER_PERCENT,
     THREAT_KEYS,
@@ -60,7 +60,7 @@ def _in_library(kind: Kind) -> AfterValidator:
 
     def check(name: str, info: ValidationInfo) -> str:
         context: dict[str, Any] = info.context or {"names": {}}
-        name = nfc(name)
+        name = plain_name(name)
         names: dict[str, str] = context["names"].get(kind, {name: name})
         if name not in names:
             entries = context["library"].entries[kind].values()
@@ -372,8 +372,6 @@ class Layer(Section):
     """Cost per mass of the material, in any currency."""
     cost_per_m2: Amount = 0.0
     """Cost per area that does not depend on the thickness."""
-    density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
-    """Density, in place of the library's."""
 
     def has_cost(self) -> bool:
         """Return whether a cost is given."""
@@ -450,8 +448,6 @@ class DesignSection(Section):
     """Quantity to minimise."""
     probability_of_stopping: RequiredProbability | None = None
     """Least probability of stopping a shot of each threat."""
-    confidence: RequiredProbability | None = None
-    """Another name of probability_of_stopping."""
     angles_as_at_normal_incidence: bool = False
     """Whether an armour with a ceramic is taken to stop a projectile at an angle as it does at normal incidence, for no
     test of that is known."""
@@ -467,12 +463,6 @@ class DesignSection(Section):
     """Greatest areal density."""
     cost_max_per_m2: Positive | None = None
     """Greatest cost per area."""
-    added_thickness_mm: ThicknessOrNone = 0.0
-    """Thickness of a layer of armour.layer without name and place."""
-    added_areal_density_kg_m2: Amount = 0.0
-    """Areal density of this layer."""
-    added_cost_per_m2: Amount = 0.0
-    """Cost per area of this layer; if it is left out, the cost of the armour is not known."""
     ceramic: Items[CeramicLayer] = ()
     """Ceramics to choose from."""
     backing: Items[BackingLayer] = ()
@@ -503,22 +493,15 @@ class DesignSection(Section):
         return existing
 
     @model_validator(mode="after")
-    def _one_probability(self) -> "DesignSection":
-        if None not in (self.confidence, self.probability_of_stopping):
-            raise ValueError("must have probability_of_stopping or confidence, its other name, found both")
+    def _of_a_source(self) -> "DesignSection":
         check_scatter(self.scatter_percent, self.scatter_source)
         return self
 
-    @property
-    def required_probability(self) -> float | None:
-        """Least probability of stopping each threat that does not set its own; None if none is required."""
-        return self.confidence if self.probability_of_stopping is None else self.probability_of_stopping
-
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""
-        if threat.probability_of_perforation is not None or self.required_probability is None:
+        if threat.probability_of_perforation is not None or self.probability_of_stopping is None:
             return threat.probability_of_perforation
-        return 1.0 - self.required_probability
+        return 1.0 - self.probability_of_stopping
 
 
 # Wide bounds that keep the arithmetic from overflowing.
@@ -526,8 +509,6 @@ Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 # Greatest number of samples of a scenario.
 MAX_SAMPLES = 2**22
-# Greatest number of samples of a Latin hypercube, which needs three times the memory.
-MAX_HYPERCUBE = 2**21
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 # Standard deviations within which the scenario's own value is near a given mean.
@@ -663,10 +644,8 @@ class ModelSection(Section):
 class Uncertainty(Section):
     """Distributions of the uncertain inputs, their correlations, the model error and the sampling."""
 
-    method: Literal["sobol", "latin hypercube"] = "sobol"
-    """Sampling: scrambled Sobol' points, or a Latin hypercube."""
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
-    """Number of samples; of Sobol' points, a power of 2."""
+    """Number of samples, which are scrambled Sobol' points: a power of 2."""
     seed: Annotated[int, Field(ge=0)] = 1
     """Seed of the random numbers."""
     impact: ImpactUncertainty = ImpactUncertainty()  # type: ignore[valid-type]
@@ -700,12 +679,10 @@ class Uncertainty(Section):
 
     @field_validator("samples")
     @classmethod
-    def _allowed_by_the_method(cls, samples: int, info: ValidationInfo) -> int:
-        if info.data.get("method") == "sobol" and samples & (samples - 1):
+    def _power_of_2(cls, samples: int) -> int:
+        if samples & (samples - 1):
             near = 2 ** samples.bit_length()
             raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
-        if info.data.get("method") == "latin hypercube" and samples > MAX_HYPERCUBE:
-            raise ValueError(f"must be at most {MAX_HYPERCUBE} for a Latin hypercube, found {samples}")
         return samples
 
     @model_validator(mode="after")
