@@ -203,15 +203,11 @@ def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
         shipped_library().entry("ceramic", "AD85x")
 
 
-def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):
+def test_an_alias_names_one_entry_and_what_it_replaces_is_noted():
     mine = {"based_on": "7.62 mm APM2", "aliases": [".30 APM2"]}
     library = extended({"projectile": {"mine": mine}})
     assert library.notes == ("f.toml: projectile.mine: replaces the .30 APM2 of the shipped library",)
     assert library.entry("projectile", ".30 APM2").name == "mine"
-    for name in ("a", "b"):
-        (tmp_path / f"{name}.toml").write_text(f'[ceramic.{name}]\nbased_on = "AD85"\naliases = ["x"]\n')
-    with pytest.raises(InputError, match=r'library\.files\[1\]: must not name "b.toml": like .*, it defines .* "x"'):
-        parse_scenario(data(library={"files": ["a.toml", "b.toml"]}), folder=tmp_path)
 
 
 LEVEL_3 = "STANAG 4569 level 3, B32"

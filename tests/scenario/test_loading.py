@@ -13,7 +13,7 @@ import pytest
 from pydantic import ValidationError
 
 from armour.core.equations import CONOID
-from armour.errors import InputError, Problem
+from armour.errors import InputError
 from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, save_scenario
 from armour.scenario.schema import Range, Solver
 from tests.helpers.cases import COMPLETE, SCENARIOS, TEMPLATES, THREATS, data, scenario, shipped_scenario
@@ -153,13 +153,12 @@ def test_library_files_in_a_tuple_are_read(tmp_path: Path):
     assert parse_scenario(content, folder=tmp_path).library.files == ("lib.toml",)
 
 
-def test_library_files_must_not_define_one_name_twice(tmp_path: Path):
+def test_the_last_library_file_with_a_name_counts_and_says_so(tmp_path: Path):
     (tmp_path / "a.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 4.0\n")
     (tmp_path / "b.toml").write_text("[ceramic.mine]\nbased_on = 'AD85'\nflow_stress_GPa = 6.0\n")
-    with pytest.raises(InputError) as caught:
-        parse_scenario(data(ceramic="mine", library={"files": ["a.toml", "b.toml"]}), folder=tmp_path)
-    message = f'must not name "b.toml": like {tmp_path / "a.toml"}, it defines the ceramic "mine"'
-    assert caught.value.problems == (Problem("scenario", "library.files[1]", message),)
+    case = parse_scenario(data(ceramic="mine", library={"files": ["a.toml", "b.toml"]}), folder=tmp_path)
+    assert case.inputs()["ceramic.flow_stress_GPa"] == 6.0
+    assert case.notes == (f"{tmp_path / 'b.toml'}: ceramic.mine: replaces the mine of {tmp_path / 'a.toml'}",)
 
 
 def test_a_missing_library_file_is_the_only_mistake_of_what_may_be_in_it():

@@ -69,16 +69,3 @@ def test_names_of_threats_do_not_look_alike():
     threat = {"projectile": "7.62 mm AP", "velocity_m_s": 800.0}
     with pytest.raises(InputError, match=r"threat\[1\].name: must be different for each threat"):
         parse_scenario(data() | {"threat": [threat | {"name": "A"}, threat | {"name": "A "}]})
-
-
-@pytest.mark.parametrize("key", ["library.ceramic.AD85.flow_stress_GPa", "library.ceramic.AD85.flow_stress_GPa.value"])
-def test_a_value_is_not_given_twice_by_role_and_by_name(key: str):
-    scenario = parse_scenario(data())
-    changes = {"ceramic.flow_stress_GPa": 7.0, key: 4.0}
-    for ordered in (changes, dict(reversed(changes.items()))):
-        with pytest.raises(InputError) as caught:
-            scenario.replaced(ordered)
-        message = "must not be given with library.ceramic.AD85.flow_stress_GPa, which sets the same input, to 4.0"
-        assert str(caught.value) == f"replaced: ceramic.flow_stress_GPa: {message}"
-    same = scenario.replaced({"ceramic.flow_stress_GPa": 4.0, key: 4.0})
-    assert same.inputs()["ceramic.flow_stress_GPa"] == 4.0

@@ -599,20 +599,14 @@ class Library:
             resolved, mistakes = _resolved(kind, added, self.entries[kind], file, table)
             entries[kind] |= {name: resolved[name] for name in added if name in resolved}
             problems += [*mistakes, *_ambiguous(added, entries[kind], file, table)]
-            for name, earlier, entry in Library(entries).renamed(kind, self):
-                if not (earlier.name == entry.name and added[entry.name].based_on == entry.name):
-                    replaced = f"the {name} of {earlier.file or 'the shipped library'}"
-                    notes.append(f"{file}: {key_name((*table, entry.name))}: replaces {replaced}")
+            known = self.known(kind)
+            for owner, entry in added.items():
+                for name in (name for name in (owner, *entry.aliases) if name in known):
+                    if not known[name] == owner == entry.based_on:
+                        replaced = self.entries[kind][known[name]].file or "the shipped library"
+                        notes.append(f"{file}: {key_name((*table, owner))}: replaces the {name} of {replaced}")
         refuse(problems)
         return Library(entries, tuple(notes))
-
-    def renamed(self, kind: Kind, before: "Library") -> Iterator[tuple[str, LibraryEntry, LibraryEntry]]:
-        """Yield each name that meant another entry in the library `before`, with the earlier and the present entry."""
-        names = self.known(kind)
-        for name, earlier_name in before.known(kind).items():
-            earlier, entry = before.entries[kind][earlier_name], self.entries[kind].get(names.get(name, ""))
-            if entry is not None and entry is not earlier:
-                yield name, earlier, entry
 
 
 def _ambiguous(

@@ -1,15 +1,12 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
-import ast
 import json
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
 from hashlib import sha256
-from importlib import import_module
-from inspect import getsource
-from itertools import chain, pairwise
+from itertools import chain
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
@@ -40,7 +37,6 @@ from armour.scenario.keys import (
     Parts,
     Whole,
     changed,
-    describe,
     key_name,
     leaves,
     parts_of,
@@ -618,36 +614,21 @@ def _parsed(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last.  Changed numbers of the section ``library`` lose the source of the earlier number.
+    Inputs are set last, so that they take precedence over keys of the library.  Changed numbers of the section
+    ``library`` lose the source of the earlier number.
     """
-    groups: list[tuple[Mapping[str, Any], Mapping[Parts, object]]] = []
-    data = with_plain_keys(data, file)
+    data, inputs = with_plain_keys(data, file), dict[str, Any]()
     for group in (with_plain_keys(group, file) for group in changes if group):
-        by_role = {key: value for key, value in group.items() if _names_a_role(key)}
+        by_role = {key: value for key, value in group.items() if _names_a_role(str(key))}
         by_key = {key: value for key, value in group.items() if key not in by_role}
         source, data = _Source(dict(data), file, folder), changed(data, by_key, file)
+        inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         values = values_by_key(by_key)
-        groups.append(({key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}, values))
         data = _with_new_threat(data, values)
         data = changed(data, _bases(data, source, by_key) | _without_sources(values), file)
     scenario = _parsed(_Source(dict(data), file, folder))
-    refuse(problem for group in groups for problem in _contradictions(scenario, *group))
-    inputs = {name: value for given, _ in groups for name, value in given.items()}
     with restated(lambda problem: problem._replace(file=file)):
         return scenario.with_inputs(inputs) if inputs else scenario
-
-
-def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mapping[Parts, object]) -> Iterator[Problem]:
-    """Yield a problem for each input by role that is also set, to another number, by its key in the library.
-
-    `inputs` has the values by name of input, `values` those by the parts of their keys.
-    """
-    for name, value in inputs.items():
-        key = scenario.parts_of_input(name) if name in INPUTS else ()
-        other = values.get(key, values.get((*key, NUMBER), value))
-        if other is not value and other != value:  # NaN differs from itself
-            message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
-            yield Problem(scenario.file, name, message)
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
@@ -669,10 +650,7 @@ def _without_sources(values: Mapping[Parts, object]) -> dict[str, object]:
 
 def _names_a_role(key: str) -> bool:
     """Return whether a key is an input by role, such as "ceramic.flow_stress_GPa", or a misspelling of one."""
-    try:
-        section = parts_of(key)[0]
-    except ValueError:
-        return False
+    section = key.partition(".")[0]
     return section not in Scenario.model_fields and bool(suggestion(section, list(ROLES)))
 
 
@@ -710,33 +688,12 @@ def _allowed(name: str, values: Any) -> Any:
     return allowed
 
 
-def _meanings() -> dict[str, dict[str, str]]:
-    """Return the docstring of each key, by name of its section."""
-    meanings: dict[str, dict[str, str]] = {}
-    for module in ("library", "schema", "scenario"):
-        tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
-        for section in tree.body:
-            if isinstance(section, ast.ClassDef):
-                bases = [base.id for base in section.bases if isinstance(base, ast.Name)]
-                inherited = {key: words for base in bases for key, words in meanings.get(base, {}).items()}
-                meanings[section.name] = inherited | {
-                    ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
-                    for field, below in pairwise(section.body)
-                    if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
-                }
-    return meanings
-
-
 def scenario_schema() -> dict[str, Any]:
     """Return the JSON Schema of a scenario file, with the meaning of each key, for editors.
 
     It does not cover names of the library, nor conditions on several keys.
     """
     whole = Scenario.model_json_schema()
-    meanings = _meanings()
-    for name, section in (("Scenario", whole), *whole["$defs"].items()):
-        for key, content in section["properties"].items():
-            content["description"] = content.get("description") or meanings[name.split("_")[0]][key]
     about = {"title": "armour scenario", "description": "An impact, an armour and settings of the computations."}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **whole, **about}
 
@@ -752,20 +709,10 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
     tables = _table(source.data, "library")
     files = tables.get("files")
     for index, file in enumerate(files if isinstance(files, list) else []):
-        if not isinstance(file, str):
-            continue
-        key = key_name(["library", "files", index])
         try:
-            before, library = library, read_library(source.folder / file, library)
-            for kind in KINDS:
-                problems += (
-                    Problem(
-                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"'
-                    )
-                    for name, entry, _ in library.renamed(kind, before)
-                    if entry.file
-                )
+            library = read_library(source.folder / file, library) if isinstance(file, str) else library
         except InputError as error:
+            key = key_name(["library", "files", index])
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
