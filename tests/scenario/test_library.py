@@ -188,14 +188,12 @@ def test_bases_that_lead_back():
 
 @pytest.mark.parametrize("name", ["5083", "5083-h32"])
 def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str):
-    """Each has what tells it apart; the strongest of them is not suggested alone."""
+    """The strongest of them is not suggested alone."""
     with pytest.raises(InputError) as caught:
         shipped_library().entry("metal", name)
     alike = [each for each in shipped_library().names("metal") if "5083" in each]
     assert len(alike) == 4
-    assert all(f"{each} (" in str(caught.value) for each in alike)
-    assert "5083-H3 (dynamic yield strength 333 MPa)" in str(caught.value)
-    assert "AA5083-H116 (static yield strength 240 MPa)" in str(caught.value)
+    assert str(caught.value).endswith(f"; choose from {', '.join(alike)}")
 
 
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():

@@ -75,15 +75,15 @@ impct.x = 1
 impact = 3
     impact: must be a table, found 3
 impact.projectile = "7.62 mm"
-    impact.projectile: must name a projectile of the library, found "7.62 mm"; choose from 7.62 mm AP (penetrator
+    impact.projectile: must name a projectile of the library, found "7.62 mm"; choose from 7.62 mm AP, 7.62 mm
 armour.ceramic = "AD85x"
     armour.ceramic: must name a ceramic of the library, found "AD85x"; did you mean "AD85"?
 armour.ceramic = "carbide"
-    armour.ceramic: must name a ceramic of the library, found "carbide"; choose from SiC (flow stress 9 GPa), B4C
+    armour.ceramic: must name a ceramic of the library, found "carbide"; choose from SiC, B4C
 armour.ceramic = "stone"
     armour.ceramic: must name a ceramic of the library, found "stone"; armour library lists them
 armour.backing = "6061"
-    armour.backing: must name a metal of the library, found "6061"; choose from 6061-T6 (dynamic yield strength 372
+    armour.backing: must name a metal of the library, found "6061"; choose from 6061-T6, AA6061-T651
 impact.threat = "STANAG 4569 level 3"
     impact: threat must name a threat of the library, found "STANAG 4569 level 3"; did you mean "STANAG 4569 level 3,
 impact.threat = 3

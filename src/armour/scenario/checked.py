@@ -20,17 +20,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 Kind = TypeVar("Kind")
 
-# Words for classes in messages, and the functions that make objects of this project's classes.
+# Words for classes in messages.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
-_MAKERS = {
-    "Scenario": "load_scenario",
-    "Suite": "load_suite",
-    "Tests": "read_tests",
-    "Shots": "read_shots",
-    "Library": "shipped_library",
-    "SuiteResult": "validate",
-    "CalibrationResult": "calibrate",
-}
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -81,11 +72,11 @@ def instance(value: object, *kinds: type[Kind]) -> Kind:
     """Return a value if it is an instance of one of the classes; otherwise raise a ValueError."""
     if isinstance(value, kinds):
         return value
-    maker = _MAKERS.get(kinds[0].__name__)
     # A path may be given as a text.
     listed = [kind for kind in kinds if kind is not NoneType and not (kind is str and PathLike in kinds)]
     words = " or ".join(_WORDS.get(kind, f"a {kind.__name__}") for kind in listed)
-    raise ValueError(f"must be {words}, found {_in_words(value)}{f'; {maker} makes one' if maker else ''}")
+    maker = "; load_scenario makes one" if kinds[0].__name__ == "Scenario" else ""
+    raise ValueError(f"must be {words}, found {_in_words(value)}{maker}")
 
 
 def _in_words(value: object) -> str:

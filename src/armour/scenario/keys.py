@@ -286,14 +286,15 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     changes: dict[str, Any] = {}
     problems = []
     for assignment in assignments:
-        key_and_value = _parsed(assignment)
-        if key_and_value is None:
-            listed = LISTED if "[" in assignment.partition("=")[0] else ""
+        name, equals, text = assignment.partition("=")
+        try:
+            key = key_name(parts_of(name if equals else ""))
+        except ValueError:
+            listed = LISTED if "[" in name else ""
             message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}{listed}"
             problems.append(Problem("command line", "--set", message))
             continue
-        key, value = key_and_value
-        value = with_plain_keys(value, "command line", (f"--set {key}",))
+        value = with_plain_keys(_value_of(key, text.strip()), "command line", (f"--set {key}",))
         if key in changes and changes[key] != value:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))
@@ -302,19 +303,10 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     return changes
 
 
-def _parsed(text: str) -> tuple[str, Any] | None:
-    """Return key and value of an assignment; None if the text is not one."""
-    for equals in re.finditer("=", text):
-        try:
-            key = key_name(parts_of(text[: equals.start()]))
-        except ValueError:
-            continue
-        value = text[equals.end() :].strip()
-        try:
-            parsed = parse_toml(f"value = {value}", "")["value"]
-            if "\n" in value:
-                return None
-            return key, value if key in NAMING and not isinstance(parsed, str) else parsed
-        except InputError:
-            return key, value
-    return None
+def _value_of(key: str, text: str) -> Any:
+    """Return the value of a key that an assignment sets: as TOML reads the text or else the text itself."""
+    try:
+        [parsed] = parse_toml(f"value = {text}", "").values()
+    except (InputError, ValueError):  # not TOML, or several lines
+        return text
+    return text if key in NAMING and not isinstance(parsed, str) else parsed

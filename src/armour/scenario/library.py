@@ -21,7 +21,7 @@ from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
 from armour.scenario.keys import describe, key_name, plain_name, with_plain_keys
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
-from armour.units import GPA, MPA, words_and_unit
+from armour.units import GPA, MPA
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
@@ -469,7 +469,7 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     first_part = re.split("[ -]", name)[0]
     for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
         if 0 < len(alike) <= MOST_ALIKE:
-            return CHOOSE + ", ".join(map(_in_short, alike))
+            return CHOOSE + ", ".join(entry.name for entry in alike)
     return suggestion(name, names) or "; armour library lists them"
 
 
@@ -483,17 +483,6 @@ def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
 def _described(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
     """Return the entries with a text in their description."""
     return [entry for entry in entries if text and text.casefold() in entry.description.casefold()]
-
-
-def _in_short(entry: LibraryEntry) -> str:
-    """Return the name of an entry with the values that tell it from those of similar names."""
-    keys = {
-        "projectile": ("penetrator_diameter_mm", "penetrator_mass_g"),
-        "ceramic": ("flow_stress_GPa",),
-        "metal": (STATIC if entry.is_static else DYNAMIC,),
-    }
-    values = (f"{words} {entry[key]:.4g} {unit}" for key in keys[entry.kind] for words, unit in [words_and_unit(key)])
-    return f"{entry.name} ({', '.join(values)})"
 
 
 def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
