@@ -105,9 +105,3 @@ def test_a_pipe_with_a_mistake_is_not_opened_again():
     text = (SCENARIOS / "wilkins.toml").read_text().replace("800.0", "-800.0")
     done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (2, "a.toml: impact.velocity_m_s: must be at least 10, found -800.0\n")
-
-
-def test_an_input_given_twice_names_both_options(cli):
-    words = ("ceramic.flow_stress_GPa=7", "library.ceramic.AD85.flow_stress_GPa=4")
-    [told] = cli.fails(2, "check", "wilkins", "--set", words[0], "--set", words[1])
-    assert told.startswith("command line: --set ceramic.flow_stress_GPa: must not be given with library.ceramic.AD85.")

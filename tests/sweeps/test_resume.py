@@ -62,7 +62,6 @@ WHOLE = data(
     design={
         "ceramic": [CERAMICS[0], {"material": "SiC", "thickness_mm": {"min": 4.0, "max": 8.0}, "cost_per_kg": 1.0}],
         "backing": METALS,
-        **SCATTER,
     },
     uncertainty={
         "impact": {"velocity_m_s": NORMAL},
@@ -151,6 +150,8 @@ def accepts(section: Section, key: str, value: object) -> bool:
         type(section).model_validate({**section.model_dump(exclude_unset=True), key: value})
     except ValidationError:
         return False
+    except InputError:
+        return isinstance(section, Scenario)  # which is not made of sections
     return True
 
 

@@ -18,19 +18,14 @@ from pydantic import (
 )
 
 from armour.core import equations
-from armour.errors import choices
+from armour.errors import suggestion
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
 from armour.scenario.keys import plain_name
 from armour.scenario.library import (
-    LEAST_SCATTER_PERCENT,
     THREAT_KEYS,
     LibraryTables,
-    ScatterPercent,
-    check_scatter,
     hint,
-    least_scatter,
     named_threats,
-    threats_like,
 )
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import MM, US
@@ -112,8 +107,7 @@ class Impact(Section, json_schema_extra=_with_named):
             return data
         threats = named_threats()
         if name not in threats:
-            alike = threats_like(name)
-            like = choices(name, alike) if alike else "; armour init --list has templates for other rounds"
+            like = suggestion(name, [*threats]) or "; armour library threats lists them"
             raise ValueError(f'threat must name a threat of the library, found "{name}"{like}')
         return threats[name].values() | data
 
@@ -471,19 +465,6 @@ class DesignSection(Section):
     """Part of the armour that exists already, such as a hull: it counts for the ballistic limit, but not for the limits
     of areal density, thickness and cost, nor for what is minimised."""
 
-    scatter_percent: ScatterPercent | None = None
-    """Standard deviation of the velocities that single shots need to perforate, per cent of V50, at least 2.5; an entry
-    of the library may give another. By default it is 2.54, which is assumed."""
-    scatter_source: str = ""
-    """Source of this scatter."""
-
-    @field_validator("scatter_percent")
-    @classmethod
-    def _assumed(cls, percent: float | None) -> float | None:
-        if percent is not None and percent < LEAST_SCATTER_PERCENT:
-            raise ValueError(least_scatter(percent))
-        return percent
-
     @field_validator("existing")
     @classmethod
     def _one_that_exists(cls, existing: str | None, info: ValidationInfo) -> str | None:
@@ -491,11 +472,6 @@ class DesignSection(Section):
         if existing and sum(len(layer.thicknesses()) for layer in info.data.get("backing", ())) > 1:
             raise ValueError(f'must be left out if there are several back plates to choose from, found "{existing}"')
         return existing
-
-    @model_validator(mode="after")
-    def _of_a_source(self) -> "DesignSection":
-        check_scatter(self.scatter_percent, self.scatter_source)
-        return self
 
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""
