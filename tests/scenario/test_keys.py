@@ -138,14 +138,6 @@ def test_a_key_below_a_value(key: str, message: str):
         scenario(threat=[]).replaced({key: 1.0})
 
 
-def test_a_key_that_is_given_twice():
-    assert refused({"impact.velocity_m_s": 1.0, 'impact."velocity_m_s"': 2.0, "impact": {"velocity_m_s": 3.0}}) == [
-        "a.toml: impact.velocity_m_s: must be given once, found 1.0 and 2.0",
-        "a.toml: impact.velocity_m_s: must be given once, found 2.0 and 3.0",
-    ]
-    assert changed(data(), {"impact.velocity_m_s": 1, "impact": {"velocity_m_s": 1}})["impact"]["velocity_m_s"] == 1
-
-
 def test_a_change_leaves_the_data():
     original = data()
     changed(original, {"armour": {"ceramic": "AD90"}, "library.metal.m.density_kg_m3": {"value": 1.0}})

@@ -221,7 +221,6 @@ def test_an_input_changes_an_entry_of_the_scenario():
         ({"threat.margin_m_s": 20.0}, "threat: must be a list, found a table; write its heading in double brackets"),
         ({"ceramic.flow_stress_ceramic_slope": 0.1}, "must name an input of the scenario"),
         ({"backing.dynamic_yield_strength_MPa": 400.0, "armour.backing": "x"}, 'must name a metal .*, found "x"'),
-        ({STRESS: 7.0, 'ceramic."flow_stress_GPa"': 8.0}, f"{STRESS}: must be given once, found 7.0 and 8.0"),
     ],
 )
 def test_an_input_that_is_refused(changes: dict[str, object], message: str):

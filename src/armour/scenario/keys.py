@@ -233,48 +233,36 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
     """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
 
     A table that is `Whole` replaces it, whichever comes first of its key and of keys below.  A key that goes below a
-    value, or is given twice, is refused.
+    value is refused.
     """
-    result = dict(data)
-    set_values: dict[Parts, object] = {}
-    problems = []
+    result, problems = dict(data), list[Problem]()
     for key, value in sorted(changes.items(), key=lambda item: len(item[0]) if isinstance(item[1], Whole) else inf):
         try:
             parts = parts_of(key)
+            for name in reversed(parts):
+                value = {name: value}
+            result = _merged(result, value, file, parts)
         except ValueError:
             problems.append(not_a_key(file, key))
-            continue
-        for leaf, leaf_value in leaves(value, parts):
-            if leaf in set_values and set_values[leaf] != leaf_value:
-                message = f"must be given once, found {describe(set_values[leaf])} and {describe(leaf_value)}"
-                problems.append(Problem(file, key_name(leaf), message))
-            set_values[leaf] = leaf_value
-        if message := _put(result, parts, value):
-            problems.append(Problem(file, key_name(parts), message))
+        except InputError as error:
+            problems += error.problems
     refuse(problems)
     return result
 
 
-def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) -> str:
-    """Put a value into a table; return a message if the key goes below a value that is not a table, otherwise "".
+def _merged(present: Any, value: object, file: str, key: Parts, place: int = 0) -> Any:
+    """Return a value in place of the present one: a table merged into a table; `place` counts the parts of `key` above.
 
-    Tables that change are copied first, as those of the data may be shared.
+    The data may be shared, and are not changed.
     """
-    name, *rest = parts
-    present: Any = table.get(name, {} if rest else None)
-    if rest and not isinstance(present, dict):
-        hint = LISTED if isinstance(present, list) else suggestion(key_name((*above, *parts)), list(INPUTS))
-        return f"must not go below {key_name((*above, name))}, which is {describe(present)}{hint}"
-    if rest:
-        table[name] = dict(present)
-        return _put(table[name], (*rest,), value, (*above, name))
-    if isinstance(value, Mapping) and isinstance(present, dict):
-        table[name] = {} if isinstance(value, Whole) else dict(present)
-        for inner in value:
-            _put(table[name], (inner,), value[inner])
-    else:
-        table[name] = value
-    return ""
+    if not isinstance(value, Mapping):
+        return value
+    if place < len(key) and not isinstance(present, dict | None):
+        hint = LISTED if isinstance(present, list) else suggestion(key_name(key), list(INPUTS))
+        message = f"must not go below {key_name(key[:place])}, which is {describe(present)}{hint}"
+        raise mistake(file, key_name(key), message)
+    table = present if isinstance(present, dict) and not isinstance(value, Whole) else {}
+    return table | {name: _merged(table.get(name), inner, file, key, place + 1) for name, inner in value.items()}
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
