@@ -46,9 +46,8 @@ _LINE = re.compile(r"(?:line|row) (\d+)")
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
 # Numbers with groups of three digits, by the mark of their decimals.
-_SPACES = " \u00a0\u202f\u2009'\u2019"
 _GROUPED = {
-    mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}([{other}{_SPACES}])\d{{3}}(?:\1\d{{3}})*(?:\{mark}\d*)?")
+    mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}([{other} \u00a0\u202f\u2009'\u2019])\d{{3}}(?:\1\d{{3}})*(?:\{mark}\d*)?")
     for mark, other in (".,", ",.")
 }
 
@@ -259,7 +258,6 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
     head = [*islice(texts, HEAD)]
     declared = re.fullmatch(r"sep=([,;\t])\s*", head[0]) if head else None
     if head and declared:
-        source.conversions.append("sep=")
         head[0] = "\n"
     filled = [text for text in head if text.strip(",;\t\r\n ")]
 
@@ -326,19 +324,11 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
                         raise mistake(path, f"line {place}", "must be text, found a binary file")
                     source.digest.update(line.encode(encoding, errors))
                     if not line.isascii() and _UNDECODED.search(line):
-                        line, source.encoding = _windows(path, place, line), "cp1252"
+                        source.encoding = "cp1252"
+                        line = line.encode("utf-8", "surrogateescape").decode("cp1252", "replace")
                     yield line.removeprefix("\ufeff") if place == 1 else line
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
-
-
-def _windows(path: Path, place: int, line: str) -> str:
-    """Return a line that is not UTF-8 as text of Windows-1252."""
-    try:
-        return line.encode("utf-8", "surrogateescape").decode("cp1252")
-    except UnicodeDecodeError as error:
-        message = f"must be UTF-8 or Windows-1252 text, found the byte {error.object[error.start]:#04x}"
-        raise mistake(path, f"line {place}", message) from None
 
 
 def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
@@ -424,30 +414,57 @@ def read_rows(
     Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
     Columns that are not read must not divide the rows, unless ``ignore`` names them or the table is not ``closed``.
     """
-    file, where = source.file, where or {}
-    columns = columns_of(source.header, kind.keys)
+    columns, where = columns_of(source.header, kind.keys), where or {}
     chosen = [(i, str(value)) for name, value in where.items() for i in places_of(source, columns, name)]
     unwanted = {i for name in ignore for i in named_places(source, columns, name)}
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
-    unread = {i for i, column in enumerate(columns) if not column.known and not column.averaged}
-    unread -= {i for i, _ in chosen} | unwanted
+    unread = {i for i, each in enumerate(columns) if not each.known and not each.averaged} - {*dict(chosen)} - unwanted
     columns, every, reasons = _checked(source, kind, columns, unread, least)
     lines = _chosen(source, columns, every, chosen, reasons)
     unused = [(place, reasons[place], cells) for place, cells in every if place in reasons]
     not_used = tuple(NotUsed(place, source.title(index), cells[index], (*cells,)) for place, index, cells in unused)
     left_out = tuple(place for place, _ in lines if place in reasons)
     lines = [line for line in lines if line[0] not in reasons]
-    places = [place for place, _ in lines]
-    source.check_marks(places)
-    rows = [CsvRow(place, {}, {}) for place in places]
+    source.check_marks(place for place, _ in lines)
+    rows = [CsvRow(place, {}, {}) for place, _ in lines]
+    averaged = _fill(source, kind, columns, lines, rows)
     groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
+    for index, column in enumerate(columns):
+        name, cells = source.title(index), [cells[index] for _, cells in lines]
+        if column.known and column.key in GROUPS and column.key not in kind.keys:
+            groups[name] = cells
+        elif not column.known and index not in dict(chosen):
+            ignored += [name] * bool(source.header[index] or any(cells))
+            if index in unread and are_remarks(cells):
+                warnings.append(_quoted(name, rows, cells))
+            elif index in unread and closed:
+                _check_unread(source, name, cells, kind.noun)
+    equal = _equal(source, kind.texts[0], rows, lines)
+    if len(rows) < least:
+        raise InputError(source.problems or [Problem(source.file, "", "must have rows that count")])
+    notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
+    notes += [f"mean of {joined(names)}" for names in averaged]
+    notes += [f"without {', '.join(ignored)}"] * bool(ignored)
+    notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
+    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
+    told = source.told(counted(len(rows), kind.noun), notes)
+    digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
+    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
+    return CsvTable(rows, read, groups)
+
+
+def _fill(
+    source: Source, kind: TableKind, columns: Sequence[Column], lines: Sequence[Line], rows: Sequence[CsvRow]
+) -> list[list[str]]:
+    """Fill the rows with the cells of the columns of a kind; return the names of columns whose mean is read."""
     repeated: dict[str, dict[str, list[float | None]]] = {}
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
         if source.sheet and column.key in kind.needed and {*cells} == {""}:
-            raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
+            message = "must have values, found none; save the workbook after its last calculation"
+            raise mistake(source.file, name, message)
         if column.known and column.key in kind.numbers:
-            numbers, _ = source.numbers(name, column, places, cells)
+            numbers, _ = source.numbers(name, column, [row.place for row in rows], cells)
             if column.averaged:
                 repeated.setdefault(column.key, {})[name] = numbers
             for row, cell, number in zip(rows, cells, numbers, strict=True):
@@ -455,35 +472,18 @@ def read_rows(
                 row.numbers.update({} if number is None else {column.key: number})
         elif column.known and column.key in kind.texts:
             _fill_texts(source, name, column, cells, rows)
-        elif column.known and column.key in GROUPS:
-            groups[name] = cells
-        elif not column.known and index not in dict(chosen):
-            ignored += [name] * bool(source.header[index] or any(cells))
-            if index in unread and are_remarks(cells):
-                said = dict[str, list[str]]()
-                for place, cell in zip(places, cells, strict=True):
-                    said.setdefault(cell, []).append(place)
-                texts = [f'"{text}" in {listed(those)}' for text, those in said.items() if text]
-                warnings.append(f"{name}, which is not read, says {'; '.join(texts)}")
-            elif index in unread and closed:
-                _check_unread(source, name, cells, kind.noun)
     for key, by_name in repeated.items():
         _average(source, key, by_name, rows)
-    equal = _equal(source, kind.texts[0], rows, lines)
-    if len(rows) < least:
-        raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
-    notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
-    notes += [f"mean of {joined([*by_name])}" for by_name in repeated.values() if len(by_name) > 1]
-    notes += [f"without {', '.join(ignored)}"] * bool(ignored)
-    names = Counter(row.texts.get(kind.texts[0]) for row in rows)
-    if several := [name for name, count in names.items() if name and count > 1]:
-        notes.append(f"several {kind.noun}s named {listed(several)}")
-    notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
-    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
-    told = source.told(counted(len(rows), kind.noun), notes)
-    digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
-    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
-    return CsvTable(rows, read, groups)
+    return [[*by_name] for by_name in repeated.values() if len(by_name) > 1]
+
+
+def _quoted(name: str, rows: Sequence[CsvRow], cells: Sequence[str]) -> str:
+    """Return the remarks in a column that is not read, with the places of their rows."""
+    said = dict[str, list[str]]()
+    for row, cell in zip(rows, cells, strict=True):
+        said.setdefault(cell, []).append(row.place)
+    texts = [f'"{text}" in {listed(places)}' for text, places in said.items() if text]
+    return f"{name}, which is not read, says {'; '.join(texts)}"
 
 
 def are_remarks(cells: Sequence[str]) -> bool:
