@@ -302,7 +302,7 @@ def test_rows_and_designs_are_single_answers():
     catalogue = {
         "ceramic": [{"material": "AD85, lot 7", **only}, {"material": "AD85", **only}],
         "backing": [{"material": "6061-T6", **only}],
-        "confidence": 0.51,
+        "probability_of_stopping": 0.51,
     }
     pairs = {pair.ceramic: pair.best for pair in optimise(case.replaced({"design": catalogue, VELOCITY: 660.0})).pairs}
     best = known(pairs["AD85, lot 7"])
