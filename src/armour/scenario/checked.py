@@ -55,7 +55,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     # Help shows types without bounds, which the docstring states.  The class of a method does not exist yet.
     hints = {} if "." in function.__qualname__ else get_type_hints(function)
     shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
-    call.__dict__["__signature__"] = parameters.replace(parameters=shown)
+    call.__signature__ = parameters.replace(parameters=shown)  # type: ignore[attr-defined]
     return call
 
 
