@@ -337,8 +337,7 @@ def _kind_of_range(value: object) -> str:
     """Return the tag of the form in which thicknesses are given: a list, a range with a step or a continuous one."""
     if not isinstance(value, dict | Range | FreeRange):
         return LIST_TAG
-    stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
-    return RANGE_TAG if stepped else FREE_TAG
+    return RANGE_TAG if "step" in dict(value) else FREE_TAG
 
 
 def _listed(value: object) -> object:
