@@ -714,12 +714,9 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    is_unread = bool(problems)
-    names: dict[Kind, dict[str, str]] = (
-        {}
-        if is_unread
-        else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
-    )
+    is_unread, names = bool(problems), dict[Kind, dict[str, str]]()
+    if not is_unread:
+        names = {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     try:
         library = library.extended(schema.LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:
