@@ -117,8 +117,9 @@ IN_COMMON = (
 TEST_RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
 # Number of the laboratory or series of a test, where several are named.
 SERIES_KEY = "series"
-# Those of these quantities that may be 0; all others but the side are above 0.
+# Least possible values of these quantities; all others but the side are above 0.
 MAY_BE_0 = ("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa", "uncertainty_m_s", SERIES_KEY)
+LEAST_OF_TESTS = {"path_ratio": 1.0, **dict.fromkeys(MAY_BE_0, 0.0)}
 
 
 class OwnTests(Section):
@@ -152,7 +153,7 @@ class OwnTests(Section):
         if {*self.tests} - {SERIES_KEY} != {*VARIED, *IN_COMMON, *TEST_RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():
-            least = 0.0 if name in MAY_BE_0 else TINY
+            least = LEAST_OF_TESTS.get(name, TINY)
             if {*column} - {-1.0, 0.0, 1.0} if name == "side" else min(column) < least:
                 raise ValueError(f"must be as armour calibrate writes it: {name} has an impossible number")
         return self
