@@ -149,12 +149,11 @@ class Scenario(Section):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A line for each value or entry that overrides another, and one on what the model leaves out at an angle."""
+        """A line for each entry that overrides another, and one on what the model leaves out at an angle."""
         impacts = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
-        replaced = [f"{self.file}: {key}.{words}" for key in impacts for words in impacts[key].replaced_values()]
         oblique = [key for key in impacts if impacts[key].obliquity_deg]
         left_out = [f"{self.file}: {key}.obliquity_deg: {LEFT_OUT_AT_ANGLES}" for key in oblique[:1]]
-        return (*self._entries.notes, *replaced, *left_out)
+        return (*self._entries.notes, *left_out)
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""

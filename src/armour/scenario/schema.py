@@ -1,7 +1,7 @@
 """Sections of a scenario file: keys, types, bounds and defaults."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import floor, inf
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
@@ -111,17 +111,12 @@ class Impact(Section, json_schema_extra=_with_named):
             raise ValueError(f'threat must name a threat of the library, found "{name}"{like}')
         return threats[name].values() | data
 
-    def replaced_values(self) -> Iterator[str]:
-        """Yield the values that take precedence over those of the named threat, in words."""
-        values = {} if self.threat is None else named_threats()[self.threat].values()
-        for key, value in values.items():
-            if getattr(self, key) != value:
-                yield f"{key}: {getattr(self, key)} takes precedence over {value} of {self.threat}"
-
     @property
     def standard(self) -> str:
         """Name of the threat of a standard, with ", changed" if some values differ here; "" if none is named."""
-        return f"{self.threat or ''}{', changed' if any(self.replaced_values()) else ''}"
+        values = {} if self.threat is None else named_threats()[self.threat].values()
+        is_changed = any(getattr(self, key) != value for key, value in values.items())
+        return f"{self.threat or ''}{', changed' * is_changed}"
 
 
 class InertLayer(Section):
