@@ -86,19 +86,16 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
             return path
     except (OSError, ValueError) as error:
         if name not in files:
-            with_ending = path.with_suffix(".toml")
-            if os.path.isfile(with_ending):
-                raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
-            stem = path.name.removesuffix(".toml").removesuffix(".csv")
-            alike = "".join(
-                f"; {other} is a shipped {kind}"
-                for kind, names in _kinds().items()
-                for other in names
-                if other.rpartition("/")[2] == stem
+            with_ending, stem = path.with_suffix(".toml"), path.name.removesuffix(".toml").removesuffix(".csv")
+            shipped_names = ((kind, other) for kind, names in _kinds().items() for other in names)
+            alike = [f"; {other} is a shipped {kind}" for kind, other in shipped_names if Path(other).name == stem]
+            hints = (
+                f'; did you mean "{with_ending}"?' * os.path.isfile(with_ending),
+                "".join(alike),
+                suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files]),
+                "; `armour init --list` lists what is shipped",
             )
-            closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
-            hint = alike or closest or "; `armour init --list` lists what is shipped"
-            raise mistake(path, "", f"cannot be read: {reason(error)}{hint}") from None
+            raise mistake(path, "", f"cannot be read: {reason(error)}{next(filter(None, hints))}") from None
     return files[name]
 
 
