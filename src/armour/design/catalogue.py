@@ -336,10 +336,9 @@ def _wrong_layers(scenario: Scenario, section: DesignSection, *, sampled: bool) 
         if costs and not inert.has_cost():
             yield Problem(file, f"armour.layer[{i}].cost_per_m2", "must be given if [design] asks for costs")
     for backing in section.backing if section.existing else ():
-        hull, listed = (armour.backing_thickness_mm, armour.backing), (backing.thicknesses()[0], backing.material)
-        if listed != hull:
-            message = "must be the back plate of [armour], as it exists: {:g} mm {}, found {:g} mm {}"
-            yield Problem(file, "design.backing[0]", message.format(*hull, *listed))
+        if (backing.thicknesses(), backing.material) != ((armour.backing_thickness_mm,), armour.backing):
+            message = "must be the back plate of [armour] alone, as it exists: {:g} mm {}"
+            yield Problem(file, "design.backing", message.format(armour.backing_thickness_mm, armour.backing))
 
 
 def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:

@@ -263,13 +263,6 @@ class Optimise(Section):
     backing_thickness_mm: Annotated[Range, AfterValidator(_above_zero)]
     """Grid of thicknesses of the back plate."""
 
-    @model_validator(mode="after")
-    def _not_absurd(self) -> "Optimise":
-        designs = self.ceramic_thickness_mm.count() * self.backing_thickness_mm.count()
-        if designs > MAX_DESIGNS:
-            raise ValueError(f"must contain at most {MAX_DESIGNS} designs, found {designs:.3g}; widen the steps")
-        return self
-
 
 class Threat(Impact):
     """A projectile and a velocity that a design must stop, with a margin."""
@@ -458,14 +451,6 @@ class DesignSection(Section):
     existing: Literal["backing"] | None = None
     """Part of the armour that exists already, such as a hull: it counts for the ballistic limit, but not for the limits
     of areal density, thickness and cost, nor for what is minimised."""
-
-    @field_validator("existing")
-    @classmethod
-    def _one_that_exists(cls, existing: str | None, info: ValidationInfo) -> str | None:
-        """Refuse ``existing`` where several back plates are on offer."""
-        if existing and sum(len(layer.thicknesses()) for layer in info.data.get("backing", ())) > 1:
-            raise ValueError(f'must be left out if there are several back plates to choose from, found "{existing}"')
-        return existing
 
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""
