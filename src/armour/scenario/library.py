@@ -299,8 +299,6 @@ NO_METAL = re.compile(
 )
 NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
 PAGE = "docs/what-armour-cannot-do.md"
-# Calibres in a name, which have at most two digits before a point.
-CALIBRE = re.compile(r"(?<![\d.])(?:\d\d?(?:\.\d+)?(?=\s*(?:x|mm))|\d\d?\.\d+|\.\d\d)(?!\d)")
 # Most entries with similar names that a message lists.
 MOST_ALIKE = 12
 # Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
@@ -419,12 +417,9 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     """Return a hint for a name that is not in the library: similar entries, or the closest one of `names`.
 
     First come the entries whose names contain the name; if there are none, its first part, as with "5083-H32"; and then
-    those whose descriptions contain it, as with "alumina".  If the name has a calibre, projectiles of another calibre
-    are left out.
+    those whose descriptions contain it, as with "alumina".
     """
     entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
-    if calibres := {*CALIBRE.findall(name)}:
-        entries = [entry for entry in entries if calibres & {*CALIBRE.findall(" ".join((entry.name, *entry.aliases)))}]
     for template in shipped_files("scenarios/templates", ".toml"):
         if all(part in "".join(name.casefold().split()) for part in template.split("_")):
             return f"; for this round there is a template: armour init --from templates/{template}"
