@@ -419,29 +419,21 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     First come the entries whose names contain the name; if there are none, its first part, as with "5083-H32"; and then
     those whose descriptions contain it, as with "alumina".
     """
-    entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
     for template in shipped_files("scenarios/templates", ".toml"):
         if all(part in "".join(name.casefold().split()) for part in template.split("_")):
             return f"; for this round there is a template: armour init --from templates/{template}"
-    if NO_METAL.search(name) and not _named(name, entries):
+    texts = {entry.name: ("\n".join((entry.name, *entry.aliases)), entry.description) for entry in entries}
+
+    def alike(part: str, place: int) -> list[str]:
+        return [each for each in texts if part and part.casefold() in texts[each][place].casefold()]
+
+    named = alike(name, 0)
+    if NO_METAL.search(name) and not named:
         return f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}"
-    first_part = re.split("[ -]", name)[0]
-    for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
-        if 0 < len(alike) <= MOST_ALIKE:
-            return CHOOSE + ", ".join(entry.name for entry in alike)
-    return suggestion(name, names) or "; armour library lists them"
-
-
-def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
-    """Return the entries with a text in one of their names."""
-    return [
-        entry for entry in entries if text and text.casefold() in "\n".join((entry.name, *entry.aliases)).casefold()
-    ]
-
-
-def _described(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
-    """Return the entries with a text in their description."""
-    return [entry for entry in entries if text and text.casefold() in entry.description.casefold()]
+    for found in (named, alike(re.split("[ -]", name)[0], 0), alike(name, 1)):
+        if 0 < len(found) <= MOST_ALIKE:
+            return CHOOSE + ", ".join(found)
+    return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
 
 
 def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
