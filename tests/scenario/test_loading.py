@@ -338,6 +338,12 @@ def test_a_scenario_with_nothing_in_place_of_a_section_can_be_saved(tmp_path: Pa
         case.replaced({"solver.arrest_velocity_m_s": None})
 
 
+def test_a_notebook_completes_names_of_a_scenario_and_not_of_pydantic():
+    names = {name for name in dir(scenario()) if not name.startswith("_")}
+    assert {"impact", "replaced", "to_toml"} < names
+    assert not {"model_dump", "schema", "parse_obj"} & names
+
+
 def test_a_computed_value_cannot_be_set():
     with pytest.raises(ValidationError, match="frozen"):
         scenario().interlayers = 1  # type: ignore[misc]

@@ -41,6 +41,10 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
+    def __dir__(self) -> list[str]:
+        """List the names for completion, without the public ones of pydantic."""
+        return [name for name in super().__dir__() if name.startswith("_") or name not in vars(BaseModel)]
+
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> Any:
         """Describe each key in the JSON Schema by its docstring."""
