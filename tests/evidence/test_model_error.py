@@ -110,8 +110,7 @@ def test_the_scatter_is_the_mean_of_its_prior():
 
 
 def test_the_scatter_of_shots_is_in_the_probability_and_not_in_the_limit():
-    wide = {"based_on": "AD85", "scatter_percent": 6.0, "scatter_source": "tails of our firings"}
-    wider = {"library.ceramic.own": wide, "armour.ceramic": "own"}
+    wider = {"design.scatter_percent": 6.0, "design.scatter_source": "tails of our firings"}
     case = scenario(velocity=650.0)
     usual, other = confidence(case), confidence(case.replaced(wider))
     assert other.interval_m_s == usual.interval_m_s
@@ -121,20 +120,20 @@ def test_the_scatter_of_shots_is_in_the_probability_and_not_in_the_limit():
     assert known(other.probability_of_stopping) < known(usual.probability_of_stopping)
     assert known(usual.probability_of_stopping) < known(usual.probability_v50_exceeds_velocity)
     error = known(other.model_error)
-    assert (error.scatter_percent, error.scatter_source) == (6.0, "tails of our firings")
+    assert (error.scatter_percent, error.scatter_source) == tuple(wider.values())
     rows = variants_of(case.replaced(wider), {}, 1)
     assert rows.limit_distributions(np.array([700.0])).scales == pytest.approx(
         variants_of(case, {}, 1).limit_distributions(np.array([700.0])).scales
     )
 
 
-def test_the_scatter_is_that_of_the_ceramic_or_of_a_bare_plate():
+def test_the_scatter_of_the_entry_comes_before_that_of_the_design():
     own = {"metal": {"own": {"based_on": "6061-T6", "scatter_percent": 5.0, "scatter_source": "our tails"}}}
     bare = {**BARE, "backing": "own", "backing_mm": 20.0}
-    for tiles, expected in ((bare, 5.0), ({"backing": "own"}, 2.5375)):
-        case = scenario(**tiles, library=own)
-        assert error_of(case).scatter_percent == pytest.approx(expected, abs=0.01)
-        assert row_of(case).errors.scatters == pytest.approx(expected / 100.0, abs=1e-4)
+    for tiles, expected in ((bare, 5.0), ({"backing": "own"}, 3.0)):
+        case = scenario(**tiles, library=own, design={"scatter_percent": 3.0, "scatter_source": "a guess"})
+        assert error_of(case).scatter_percent == expected
+        assert row_of(case).errors.scatters == pytest.approx(expected / 100.0)
 
 
 @pytest.mark.parametrize("law", LAWS)

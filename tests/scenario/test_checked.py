@@ -5,12 +5,14 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
+import scipy.special
 from pydantic import Field
 
-from armour import Scenario, load_scenario
+from armour import ModelError, Scenario, load_scenario, plot, read_shots, v50
 from armour.errors import InputError
 from armour.scenario.checked import Names, checked
 from tests.helpers.foreign import NotAvailable, Quantity
+from tests.helpers.known import known
 
 
 @checked
@@ -82,6 +84,22 @@ def test_a_wrong_call_has_one_traceback():
     with pytest.raises(TypeError, match=r"f\(\) got an unexpected keyword argument 'nam'") as error:
         f(nam="a")  # type: ignore[call-arg]
     assert error.value.__context__ is None
+
+
+@pytest.mark.parametrize("module", [np, scipy.special])
+def test_answers_do_not_depend_on_how_the_caller_treats_floating_point_errors(module: Any):
+    shots = read_shots("tests/shots")
+    error = ModelError(0.0, 1.0, 5.0)
+
+    def answers() -> Any:
+        result = v50(shots)
+        chances = error.quantile([0.0, 1e-300, 0.5]), error.probability_of_stopping(700.0, np.array([1.0, 1e5]))
+        axes = plot(result).axes
+        return result.band(), *map(list, chances), known(result.recommended).probability(10.0), len(axes)
+
+    usual = answers()
+    with module.errstate(all="raise"):
+        assert answers() == usual
 
 
 def test_help_shows_types_without_bounds():

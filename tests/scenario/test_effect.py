@@ -74,7 +74,7 @@ def test_a_law_of_the_flow_stress_has_an_effect_where_the_entry_has_it():
 def test_a_scatter_has_an_effect_where_a_probability_is_computed():
     own = {"metal": {"own": {"based_on": "6061-T6", "scatter_percent": 4.0, "scatter_source": "our tails"}}}
     keys = ["library.metal.own.scatter_percent"]
-    assert refused(keys, "uncertainty.model", backing="own", ceramic="AD85", library=own) == []
+    assert refused(keys, "design.scatter_percent", backing="own", ceramic="AD85", library=own) == []
     assert refused(keys, backing="own", ceramic="AD85", library=own) == [NONE]
 
 

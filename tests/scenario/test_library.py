@@ -7,9 +7,12 @@ import pytest
 
 from armour.errors import InputError
 from armour.scenario.library import (
+    IN_COMMON,
     KINDS,
     NOT_MODELLED,
     PAGE,
+    TEST_RESULTS,
+    VARIED,
     Library,
     named_threats,
     shipped_library,
@@ -111,6 +114,30 @@ def test_every_mistake_in_the_tables_is_reported():
         ),
         'f.toml: metal.N.based_on: must name a metal of the library, found "Qq"; armour library lists them',
     ]
+
+
+def firing(stopped: int, perforated: int, thicknesses: int = 1) -> dict[str, object]:
+    """Return own tests of a bare plate: shots, at plates of one or several thicknesses in turn."""
+    sides = [1.0] * stopped + [-1.0] * perforated
+    columns = {key: [1.0] * len(sides) for key in (*VARIED, *IN_COMMON, *TEST_RESULTS)}
+    ratios = [1.0 + place % thicknesses for place in range(len(sides))]
+    return {"tests": {**columns, "backing_thickness_ratio": ratios, "side": sides}}
+
+
+def test_a_small_scatter_needs_an_own_firing():
+    def tables(evidence: dict[str, object] | None, percent: float = 1.2) -> dict[str, object]:
+        scatter = {"scatter_percent": percent, "scatter_source": "our firing"}
+        given = {} if evidence is None else {"evidence": evidence}
+        return {"metal": {"m": {"based_on": "6061-T6", **scatter, **given}}}
+
+    words = (
+        "f.toml: metal.m.scatter_percent: must be at least 2.5, or be given in an entry of the library with an own "
+        "firing of 36 shots or more with both results, found 1.2"
+    )
+    for allowed in (tables(firing(18, 18)), tables(None, 2.5)):
+        assert extended(allowed).entry("metal", "m").scatter_percent in (1.2, 2.5)
+    for evidence in (None, firing(36, 0), firing(18, 17), firing(20, 20, 2)):
+        assert messages(tables(evidence)) == [words]
 
 
 def test_an_entry_inherits_a_scatter_with_its_source():

@@ -18,6 +18,7 @@ from armour.scenario.scenario import Scenario, load_scenario, parse_scenario, sa
 from armour.scenario.schema import Range, Solver
 from tests.helpers.cases import COMPLETE, SCENARIOS, TEMPLATES, THREATS, data, scenario, shipped_scenario
 from tests.helpers.foreign import NotAvailable, Quantity
+from tests.helpers.known import known
 
 
 def messages(content: dict[str, Any]) -> list[str]:
@@ -379,3 +380,9 @@ def test_a_saved_scenario_finds_its_library_files(tmp_path: Path):
     again = load_scenario(tmp_path / "below" / "saved.toml")
     assert again.core_armour() == made.core_armour()
     assert again.to_toml(tmp_path) == made.to_toml()
+
+
+def test_the_former_name_of_a_required_probability_is_read():
+    of = parse_scenario({**data(), "design": {"confidence": 0.9}})
+    assert known(of.design).probability_of_stopping == 0.9
+    assert of.to_toml() == parse_scenario({**data(), "design": {"probability_of_stopping": 0.9}}).to_toml()

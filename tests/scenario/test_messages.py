@@ -52,10 +52,12 @@ armour.layer = [{ name = "", place = "front", thickness_mm = 1.0, areal_density_
     armour.layer[0].name: must not be empty, found the text ""
 armour.layer = [{ name = "glue", place = "front", thickness_mm = 1.0 }]
     armour.layer[0].areal_density_kg_m2: is missing
-library.metal.M = { based_on = "6061-T6", scatter_percent = 1.5, scatter_source = "ours" }
-    library.metal.M.scatter_percent: must be at least 2.5, found 1.5
-library.metal.M = { based_on = "6061-T6", scatter_percent = 4.0 }
-    library.metal.M: must have scatter_percent and scatter_source, or neither
+design = { scatter_percent = 1.5, scatter_source = "ours" }
+    design.scatter_percent: must be at least 2.5, or be given in an entry of the library with an own firing of 36 shots
+design = { scatter_percent = 80.0, scatter_source = "ours" }
+    design.scatter_percent: must be at most 50, found 80.0
+design.scatter_percent = 4.0
+    design: must have scatter_percent and scatter_source, or neither
 design.existing = "hull"
     design.existing: must be "backing", found the text "hull"
 model.shear_perimeter = "cone"

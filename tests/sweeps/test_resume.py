@@ -62,6 +62,7 @@ WHOLE = data(
     design={
         "ceramic": [CERAMICS[0], {"material": "SiC", "thickness_mm": {"min": 4.0, "max": 8.0}, "cost_per_kg": 1.0}],
         "backing": METALS,
+        **SCATTER,
     },
     uncertainty={
         "impact": {"velocity_m_s": NORMAL},

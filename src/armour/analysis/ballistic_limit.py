@@ -90,7 +90,7 @@ def needed_flow_stress(
     if is_no_metal(core.rho_B) or is_long_rod(core) or other_settings(scenario):
         return None
     probability, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
-    percent, _ = scatter_of(materials_of(scenario), bare=False)
+    percent, _ = scatter_of(scenario, materials_of(scenario), bare=False)
     shots = constant_law_error().of_shots(percent / 100.0)
     likely_m_s = scenario.impact.velocity_m_s / float(shots.quantile(1.0 - probability))
     return NeededFlowStress(

@@ -27,7 +27,7 @@ from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import PAGE, SCATTER_KEYS
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import Model, Solver
+from armour.scenario.schema import DesignSection, Model, Solver
 
 # Probabilities of the quantiles that results give.
 ERROR_QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
@@ -234,24 +234,25 @@ def given_error(scenario: Scenario) -> ModelError | None:
     return ModelError(section.mean_percent, section.scale_percent, section.degrees_of_freedom, section.source)
 
 
-def scatter_of(materials: Materials, *, bare: bool) -> tuple[float, str]:
+def scatter_of(scenario: Scenario, materials: Materials, *, bare: bool) -> tuple[float, str]:
     """Return the scatter of shots at an armour, per cent of V50, and its source.
 
-    Its ceramic or, of a bare plate, its metal gives it; otherwise it is assumed.
+    Its ceramic or, of a bare plate, its metal gives it, or else the section ``design``; otherwise it is assumed.
     """
     entry = materials.backing if bare or materials.ceramic is None else materials.ceramic
-    if entry.scatter_percent is None:
-        return MEAN_SCATTER_PERCENT, ASSUMED
-    return entry.scatter_percent, entry.scatter_source
+    for given in (entry, scenario.design or DesignSection()):
+        if given.scatter_percent is not None:
+            return given.scatter_percent, given.scatter_source
+    return MEAN_SCATTER_PERCENT, ASSUMED
 
 
-def _scatters_of(armours: Armours) -> Floats:
+def _scatters_of(scenario: Scenario, armours: Armours) -> Floats:
     """Return the scatter of shots at each of n armours over V50, (n,)."""
     percents = np.full(len(armours.material_of_row), MEAN_SCATTER_PERCENT)
     for place, materials in enumerate(armours.materials):
         for is_bare in (False, True):
             rows = (armours.material_of_row == place) & ((armours.parameters.Hc0 == 0.0) == is_bare)
-            percents[rows] = scatter_of(materials, bare=is_bare)[0]
+            percents[rows] = scatter_of(scenario, materials, bare=is_bare)[0]
     return percents / 100.0
 
 
@@ -282,7 +283,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
-        scatters, parameters = _scatters_of(armours), np.zeros((1, len(LAW_FIELDS), count))
+        scatters, parameters = _scatters_of(scenario, armours), np.zeros((1, len(LAW_FIELDS), count))
         return ErrorRows(repeated, parameters, scatters, np.ones(count))
     as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     laws = [
@@ -291,7 +292,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
     ]
     errors = ErrorRows.unknown(count, 1 + max((law.number for law in laws), default=0))
-    errors.scatters[:] = _scatters_of(armours)
+    errors.scatters[:] = _scatters_of(scenario, armours)
     errors.parameters[0] = law_of(armours.parameters)
     for law in laws:
         errors.ratio.weights[:, law.rows] = 0.0
@@ -365,7 +366,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
         return None
     [materials] = (armour.materials[place] for place in armour.material_of_row)
     is_bare = bool(np.all(armour.parameters.Hc0 == 0.0))
-    shots: Any = dict(zip(SCATTER_KEYS, scatter_of(materials, bare=is_bare), strict=True))
+    shots: Any = dict(zip(SCATTER_KEYS, scatter_of(scenario, materials, bare=is_bare), strict=True))
     if (error := given_error(scenario)) is not None:
         return ModelError.of_ratio(ratio, error.source, **shots)
     [(evidence, _)] = armour.by_evidence()

@@ -9,6 +9,7 @@ from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import mistake, refuse, restated
 from armour.files import unwritable, write_file, wrong_ending
 from armour.reporting.by_result import by_result, draw, drawing_of, tables_of
+from armour.scenario.checked import usual_errors
 from armour.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 TEXTS = {"title", "author", "project", "date"}
 
 
+@usual_errors()
 def plot(
     result: Result,
     scenario: "Scenario | None" = None,
@@ -92,6 +94,7 @@ def _gives_same_results(scenario: Scenario, other: Scenario) -> bool:
     return sections == other_sections and scenario.inputs() == other.inputs()
 
 
+@usual_errors()
 def in_html(result: Result) -> str | None:
     """Return tables and warnings of a result as HTML, for a notebook; None if its class has no tables."""
     from armour.reporting.formats import rendered
@@ -102,6 +105,7 @@ def in_html(result: Result) -> str | None:
     return rendered("notebook.html", tables=[*tables(result), *warnings])
 
 
+@usual_errors()
 def report(
     subject: "Scenario | SuiteResult | FiringResult",
     path: str | PathLike[str],

@@ -1,8 +1,9 @@
 """Arguments of the public functions, checked by their signatures."""
 
+import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, wraps
 from inspect import signature
 from os import PathLike
@@ -20,6 +21,11 @@ P = ParamSpec("P")
 R = TypeVar("R")
 Kind = TypeVar("Kind")
 
+# Treatment of floating-point errors that numpy and scipy start with, by module.
+USUAL_ERRORS = {
+    "numpy": {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"},
+    "scipy.special": {"all": "ignore"},
+}
 # Words for classes in messages.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
 
@@ -50,13 +56,25 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         bound.apply_defaults()
         annotated = {name: plain(value) for name, value in bound.arguments.items() if name in model().model_fields}
         bound.arguments |= dict(validated(model(), annotated, function.__name__))
-        return function(*bound.args, **bound.kwargs)
+        with usual_errors():
+            return function(*bound.args, **bound.kwargs)
 
     # Help shows types without bounds, which the docstring states.  The class of a method does not exist yet.
     hints = {} if "." in function.__qualname__ else get_type_hints(function)
     shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
     call.__signature__ = parameters.replace(parameters=shown)  # type: ignore[attr-defined]
     return call
+
+
+@contextmanager
+def usual_errors() -> Iterator[None]:
+    """Make a context in which numpy and scipy treat floating-point errors as usual, whatever the caller has set."""
+    with ExitStack() as stack:
+        for name, usual in USUAL_ERRORS.items():
+            # Nothing is imported for this: nothing is set in what is not imported.
+            if module := sys.modules.get(name):
+                stack.enter_context(module.errstate(**usual))
+        yield
 
 
 def _kind(hint: Any) -> Any:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 
 from armour.errors import InputError, Problem, choices, refuse
-from armour.scenario.inputs import BACKING, CERAMIC, OF_ERROR
+from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.keys import Parts, is_read, key_name, parts_of
 from armour.scenario.library import SCATTER_KEYS
 from armour.scenario.scenario import Scenario
@@ -66,7 +66,7 @@ def _input_set_by(scenario: Scenario, parts: Parts, reads: Collection[str]) -> s
     """Return the input that changes with a value of the section [library], or a scatter's own key; "" if none does."""
     _, kind, name, key = parts[:4]
     if key == SCATTER_KEYS[0]:
-        return key_name(parts) if OF_ERROR[0] in reads else ""
+        return key_name(parts) if f"design.{key}" in reads else ""
     value = scenario.entry(kind, name)[key]  # type: ignore[arg-type]
     inputs = scenario.inputs()
     for factor in (1.01, 0.99):  # one of them is within the bounds

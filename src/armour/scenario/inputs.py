@@ -54,7 +54,12 @@ YIELD, FLOW_STRESS = "backing.dynamic_yield_strength_MPa", "ceramic.flow_stress_
 ROD = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g", "projectile.density_kg_m3")
 # The model error as an input, and the keys that it depends on besides projectile, armour, model and solver.
 ERROR = "model.limit_error_percent"
-OF_ERROR = ("uncertainty.model", "design.angles_as_at_normal_incidence")
+OF_ERROR = (
+    "uncertainty.model",
+    "design.angles_as_at_normal_incidence",
+    "design.scatter_percent",
+    "design.scatter_source",
+)
 
 _INPUTS = (
     Input(VELOCITY),

@@ -4,7 +4,7 @@ Every value has a status (measured, nominal, fitted or assumed) and a source.
 """
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -158,6 +158,16 @@ class OwnTests(Section):
                 raise ValueError(f"must be as armour calibrate writes it: {name} has an impossible number")
         return self
 
+    def shows_scatter(self) -> bool:
+        """Return whether shots at one of the armours are enough to show their scatter, and have both results."""
+        columns = (self.tests.get(key, ()) for key in (*VARIED, *IN_COMMON, "side"))
+        results = Counter[tuple[float, ...]](zip(*columns, strict=False))
+        return any(
+            results[*armour, 1.0] + results[*armour, -1.0] >= LEAST_SHOTS
+            for *armour, side in results
+            if side == 1.0 and (*armour, -1.0) in results
+        )
+
 
 Name = Annotated[str, AfterValidator(plain_name)]
 
@@ -198,22 +208,38 @@ class Projectile(Entry):
     """Flow stress of the penetrator."""
 
 
+ScatterPercent = Annotated[float, Field(gt=0.0, le=50.0), NOT_TINY]
+# Least scatter of shots, per cent of V50, that needs no own firings; the least number of shots of such a firing.
+LEAST_SCATTER_PERCENT, LEAST_SHOTS = 2.5, 36
 SCATTER_KEYS = ("scatter_percent", "scatter_source")
+
+
+def least_scatter(percent: float) -> str:
+    """Return the message that a scatter of shots is too small to be taken without own firings."""
+    return (
+        f"must be at least {LEAST_SCATTER_PERCENT:g}, or be given in an entry of the library with an own firing of "
+        f"{LEAST_SHOTS} shots or more with both results, found {percent:g}"
+    )
+
+
+def check_scatter(percent: float | None, source: str) -> None:
+    """Refuse a scatter of shots without its source, and a source without it."""
+    if (percent is None) != (not source):
+        raise ValueError(f"must have {' and '.join(SCATTER_KEYS)}, or neither")
 
 
 class Layer(Entry):
     """A material of a layer."""
 
-    scatter_percent: Annotated[float, Field(ge=2.5, le=50.0)] | None = None
-    """Standard deviation of the velocities that single shots need to perforate, per cent of V50, at least 2.5; by
-    default it is 2.54, which is assumed."""
+    scatter_percent: ScatterPercent | None = None
+    """Standard deviation of the velocities that single shots need to perforate, per cent of V50; below 2.5 only for an
+    entry with own firings of 36 shots or more, with both results."""
     scatter_source: str = ""
     """Source of this scatter."""
 
     @model_validator(mode="after")
     def _of_a_source(self) -> "Layer":
-        if (self.scatter_percent is None) != (not self.scatter_source):
-            raise ValueError(f"must have {' and '.join(SCATTER_KEYS)}, or neither")
+        check_scatter(self.scatter_percent, self.scatter_source)
         return self
 
 
@@ -637,6 +663,9 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     """Return the mistakes of an entry, by key: values that it lacks, or a penetrator that is too short or too long."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
+    is_shown = entry.evidence is not None and entry.evidence.shows_scatter()
+    if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not is_shown:
+        return {SCATTER_KEYS[0]: least_scatter(entry.scatter_percent)}
     if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):
         return {}
     message = (

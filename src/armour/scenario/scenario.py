@@ -332,12 +332,14 @@ class Scenario(Section):
 
         These are settings of the model and its error, and own entries of the library, with their own tests.
         """
-        parts = dict[str, Any]()
+        usual, parts = schema.DesignSection(), dict[str, Any]()
         for key, section, default in (("model", self.model, schema.Model()), ("uncertainty", self.uncertainty, None)):
             if section != default:
                 parts[key] = section and section.model_dump(mode="json")
-        if self.design is not None and self.design.angles_as_at_normal_incidence:
-            parts["design.angles_as_at_normal_incidence"] = True
+        as_at_normal = (self.design or usual).angles_as_at_normal_incidence
+        parts |= {"design.angles_as_at_normal_incidence": True} if as_at_normal else {}
+        scatter = (self.design or usual).scatter_percent
+        parts |= {} if scatter is None else {"design.scatter_percent": scatter}
         for kind, name in self.named_entries():
             if (entry := self.entry(kind, name)).file:
                 parts[key_name(("library", kind, entry.name))] = entry.content()

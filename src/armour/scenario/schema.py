@@ -22,9 +22,13 @@ from armour.errors import suggestion
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
 from armour.scenario.keys import plain_name
 from armour.scenario.library import (
+    LEAST_SCATTER_PERCENT,
     THREAT_KEYS,
     LibraryTables,
+    ScatterPercent,
+    check_scatter,
     hint,
+    least_scatter,
     named_threats,
 )
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
@@ -451,6 +455,32 @@ class DesignSection(Section):
     existing: Literal["backing"] | None = None
     """Part of the armour that exists already, such as a hull: it counts for the ballistic limit, but not for the limits
     of areal density, thickness and cost, nor for what is minimised."""
+
+    scatter_percent: ScatterPercent | None = None
+    """Standard deviation of the velocities that single shots need to perforate, per cent of V50, at least 2.5; an entry
+    of the library may give another. By default it is 2.54, which is assumed."""
+    scatter_source: str = ""
+    """Source of this scatter."""
+
+    @field_validator("scatter_percent")
+    @classmethod
+    def _assumed(cls, percent: float | None) -> float | None:
+        if percent is not None and percent < LEAST_SCATTER_PERCENT:
+            raise ValueError(least_scatter(percent))
+        return percent
+
+    @model_validator(mode="after")
+    def _of_a_source(self) -> "DesignSection":
+        check_scatter(self.scatter_percent, self.scatter_source)
+        return self
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_former_name(cls, data: Any) -> Any:
+        """Read ``confidence``, the former name of ``probability_of_stopping``."""
+        if isinstance(data, dict) and "confidence" in data and "probability_of_stopping" not in data:
+            return {("probability_of_stopping" if key == "confidence" else key): value for key, value in data.items()}
+        return data
 
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""
