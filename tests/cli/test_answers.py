@@ -56,8 +56,8 @@ def test_warnings_in_json_are_those_printed(cli):
 
 
 def test_a_saved_design_is_checked_as_it_was_found(cli, folder: Path):
-    """Materials, thicknesses and densities of the design are saved; changes, such as costs, stay."""
-    plate = "design.backing=[{ material = '7075-T6', thickness_mm = [8, 9], density_kg_m3 = 2700, cost_per_kg = 9 }]"
+    """Materials and thicknesses of the design are saved; changes, such as costs, stay."""
+    plate = "design.backing=[{ material = '7075-T6', thickness_mm = [8, 9], cost_per_kg = 9 }]"
     threat = "threat=[{ name = 'slow', projectile = '7.62 mm AP', velocity_m_s = 800 }]"
     changes = ["--set", plate, "--set", threat, "--set", "design.minimise=thickness_mm"]
     result = cli("optimise", CATALOGUE, "--probability", 0.8, *changes, "--save", "best.toml", "--json")

@@ -238,10 +238,9 @@ def test_a_requirement_on_the_command_line_is_a_floor(cli, folder: Path):
         result = cli("check", "weak.toml", option, "0.9999")
         assert result.exit_code == 3
         assert "(99.99 % required)" in result.stdout
-        assert "the scenario requires 60 %, less than the 99.99 % asked for" in result.stdout
     lower = cli("check", "weak.toml", "--probability", "55%")
     assert lower.exit_code == 0
-    assert "the scenario requires 60 %, more than the 55 % asked for" in lower.stdout
+    assert "(60 % required)" in lower.stdout
     assert cli.fails(2, "check", "weak.toml", "--probability", "95") == [
         "command line: --probability: must be less than 1, found 95; did you mean 0.95?"
     ]

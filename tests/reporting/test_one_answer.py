@@ -42,7 +42,7 @@ def case(threats: int) -> Scenario:
     layers = {"ceramic": [{"material": "SiC", "thickness_mm": [9.0]}]}
     layers["backing"] = [{"material": "6061-T6", "thickness_mm": [8.0]}]
     faced = [{"projectile": name, "velocity_m_s": 700.0} for name in ("7.62 mm AP", "7.62 mm APM2")]
-    design = {**layers, "confidence": 0.9}
+    design = {**layers, "probability_of_stopping": 0.9}
     return scenario("7.62 mm AP", "SiC", "6061-T6", 9.0, 8.0, threat=faced[:threats], design=design)
 
 

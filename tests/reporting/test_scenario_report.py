@@ -74,7 +74,7 @@ def test_the_report_is_about_the_best_design_as_the_search_and_a_check_show_it(n
 
 
 def test_the_own_armour_is_reported_as_a_check_finds_it():
-    own = load_scenario(SCENARIOS / "catalogue.toml", {"design.confidence": 0.6})
+    own = load_scenario(SCENARIOS / "catalogue.toml", {"design.probability_of_stopping": 0.6})
     report, found = scenario_report(own, "", as_is=True), check(own)
     assert report.lead.startswith("FAILS")
     assert (report.passed, report.title.partition(" against ")[0]) == (False, own.armour_words())
@@ -181,8 +181,8 @@ def test_author_project_and_date_are_shown_where_given():
     "changes",
     [
         {"armour.backing": "HHA Class 1", "armour.backing_thickness_mm": 45.0},
-        {"ballistic_limit.velocity_max_m_s": 400.0, "design.confidence": 0.8},
-        {"ballistic_limit.velocity_max_m_s": 400.0, "design.confidence": 0.8, "uncertainty": SAMPLED},
+        {"ballistic_limit.velocity_max_m_s": 400.0, "design.probability_of_stopping": 0.8},
+        {"ballistic_limit.velocity_max_m_s": 400.0, "design.probability_of_stopping": 0.8, "uncertainty": SAMPLED},
     ],
 )
 def test_an_armour_without_a_limit_in_the_range_has_a_report(changes: dict[str, object]):

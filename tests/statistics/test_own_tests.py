@@ -14,7 +14,7 @@ from armour.analysis.evaluate import evaluate
 from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.errors import InputError
-from armour.evidence.tests import armours_of, scenario_warnings
+from armour.evidence.tests import armours_of
 from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
@@ -237,15 +237,6 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
         assert known(of_a.model_error).source.endswith("and 1 own test of this lot")
 
 
-def test_an_entry_calibrated_by_version_1_is_recognised():
-    old = {"source": "3 own tests in a.csv", "key": "flow_stress_GPa", "measured": {}, "law": [{"slope": 0.6}]}
-    case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})
-    result = confidence(case)
-    assert result.probability_of_stopping is None
-    assert result.reason == "of old, it was calibrated by armour 1: calibrate it again"
-    assert [warning.about for warning in scenario_warnings(case, 600.0)] == [("contradicted", "fragments")]
-
-
 def test_one_lot_against_two_rounds_shares_the_effect_of_the_alloy():
     aluminium = plate("7.62 mm APM2", 280.0, 25.0)
     case = scenario_of(table_of(aluminium, f"{BACKING},ballistic_limit_m_s", "25,700", "30,790"), aluminium, STRENGTH)
@@ -277,7 +268,7 @@ def test_rows_and_designs_are_single_answers():
     catalogue = {
         "ceramic": [{"material": "AD85, lot 7", **only}, {"material": "AD85", **only}],
         "backing": [{"material": "6061-T6", **only}],
-        "confidence": 0.51,
+        "probability_of_stopping": 0.51,
     }
     pairs = {pair.ceramic: pair.best for pair in optimise(case.replaced({"design": catalogue, VELOCITY: 660.0})).pairs}
     best = known(pairs["AD85, lot 7"])
@@ -289,7 +280,7 @@ def test_rows_and_designs_are_single_answers():
 
 def test_a_bound_on_the_probability_is_kept_where_the_own_law_has_no_weight():
     ranges = {f"{layer}_thickness_mm": {"min": 4.0, "max": 12.0, "step": 0.5} for layer in ("ceramic", "backing")}
-    case = of_wilkins().replaced({"optimise": ranges, "design.confidence": 0.9})
+    case = of_wilkins().replaced({"optimise": ranges, "design.probability_of_stopping": 0.9})
     best = best_of(optimise(case))
     design = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
     assert probability(confidence(case.replaced(design))) >= 0.9
@@ -309,7 +300,7 @@ def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
         assert words in answer.reason
     far = case.replaced({CERAMIC: 40.0, BACKING: 2.0})
     ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
-    result = optimise(far.replaced({"optimise": ranges, "design.confidence": 0.9}))
+    result = optimise(far.replaced({"optimise": ranges, "design.probability_of_stopping": 0.9}))
     assert result.reason == "not known"
     assert result.shown.check.threats[0].reason == confidence(far).reason
 

@@ -406,7 +406,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     result = confidence_in(row, on_progress)
     warnings = scenario_warnings(scenario, scenario.impact.velocity_m_s, armours=row.armours, said=True)
     if result.probability_of_stopping is None:
-        required = scenario.design.required_probability if scenario.design else None
+        required = scenario.design.probability_of_stopping if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
     result = replace(result, notes=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
     return result.of(scenario=scenario)

@@ -19,17 +19,16 @@ REQUIRED_QUANTITIES = (
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
-OF_WEIGHT = ("design.added_areal_density_kg_m2", "design.existing")
+OF_WEIGHT = ("design.existing",)
 DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "armour.layer", "design", "uncertainty")
 
 # Name of the quantity that is the verdict of `check`.
 VERDICT = "verdict"
 # Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
 OF_CHECK = (
-    *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
+    *("design.probability_of_stopping", "design.thickness_tolerance_mm"),
     *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
-    *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
-    *("design.ceramic", "design.backing"),
+    *("design.existing", "design.ceramic", "design.backing"),
 )
 
 

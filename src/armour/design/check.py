@@ -357,9 +357,7 @@ def check_of(
     verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
     notes = (
-        *scenario.floors,
         *scenario.unused_impact(),
-        *scenario.unused_densities(),
         *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
         *(
             dict.fromkeys(note for each in wrongly_placed for note in each)

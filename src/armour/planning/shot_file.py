@@ -7,7 +7,7 @@ from itertools import chain
 from pathlib import Path
 
 from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
-from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
+from armour.csv_files import Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
 from armour.statistics.v50 import SHOTS, TARGET, is_of_shots
 
@@ -47,17 +47,16 @@ def with_shot(
         elif column.known and column.counts:
             row[place] = _spelt(True, "no" if column.yes is False else "yes", cells, column)
         elif column.known and column.key == "velocity_m_s":
-            usual = "," if "semicolons" in source.form else "."
-            mark = decimal_mark(cells, column, source.form) if {",", "."} & {*"".join(cells)} else usual
+            usual = "," if source.separator == ";" else "."
+            mark = decimal_mark(cells, column, source.separator) if {",", "."} & {*"".join(cells)} else usual
             row[place] = _number(velocity_m_s, column.factor).replace(".", mark or ".")
     for name, value in (where or {}).items():
         for place in places_of(source, columns, name):
             row[place] = value
-    encoding = _utf16(content) or ("cp1252" if "Windows-1252" in source.form else "utf-8")
+    encoding = source.encoding
     end = "\r\n" if "\r\n".encode(encoding) in content else "\n"
-    separator = next(mark for mark, name in SEPARATORS.items() if name in source.form)
     line = StringIO()
-    csv.writer(line, delimiter=separator, lineterminator=end).writerow(row)
+    csv.writer(line, delimiter=source.separator, lineterminator=end).writerow(row)
     begun = "" if content.endswith("\n".encode(encoding)) else end
     return content + (begun + line.getvalue()).encode(encoding)
 
@@ -70,8 +69,9 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
     source.refuse()
     if not rows:
         raise mistake(path, "", "must have a shot to take back, found none")
-    encoding = _utf16(content) or "utf-8"
-    errors = "surrogateescape" if encoding == "utf-8" else "strict"
+    # Lines that are not UTF-8 stay as they are.
+    is_utf16 = source.encoding.startswith("utf-16")
+    encoding, errors = (source.encoding, "strict") if is_utf16 else ("utf-8", "surrogateescape")
     lines = [*StringIO(content.decode(encoding, errors), newline="")]
     taken = lines.pop(int(rows[-1].place.removeprefix("line ")) - 1)
     return "".join(lines).encode(encoding, errors), f"{rows[-1].place}, {taken.strip()}"
@@ -80,14 +80,9 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
 def _csv_source(path: Path, content: bytes) -> Source:
     """Open a file of shots that is to be changed; refuse any other than CSV."""
     source = open_table(path, is_of_shots, content=content)
-    if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
+    if not source.separator:
         raise mistake(path, "", "must be a CSV file for a shot to be added or taken back")
     return source
-
-
-def _utf16(content: bytes) -> str | None:
-    """Return the encoding of a file that begins with the mark of UTF-16; None for any other file."""
-    return {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
 
 
 def _number(velocity_m_s: float, factor: float) -> str:

@@ -83,7 +83,7 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
     return {
         "verdicts": list(map(verdict_word, VERDICTS)),
         "usual": USUAL_PROBABILITY,
-        "probability": section.required_probability,
+        "probability": section.probability_of_stopping,
         "most": section.areal_density_max_kg_m2,
         "thickest": section.thickness_max_mm,
         "limited": section.cost_max_per_m2 is not None,
@@ -206,14 +206,12 @@ def _pair(
     # A slider of the page limits the areal density, so it excludes no design here.
     massless = designs.candidates._replace(areal_density_kg_m2=np.zeros(len(designs.candidates.pair)))
     violations = catalogue.violations(massless)
-    densities = {"ceramic": offer.ceramic.density_kg_m3, "backing": offer.backing.density_kg_m3}
     counts, density = catalogue.scenario.counts_backing, offer.backing_density_kg_m3
     return {
         "ceramic": offer.ceramic.material,
         "backing": offer.backing.material,
         "densities": [offer.ceramic_density_kg_m3, density * counts],
         "hull": "" if counts else density * float(backings[0]) * MM,
-        "changes": [f"{layer}.density_kg_m3={each:.17g}" for layer, each in densities.items() if each is not None],
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from armour import csv_files
 from armour.columns import Column, column_of
 from armour.errors import Problem, choices, counted, listed, mistake, refuse, restated
-from armour.files import csv_value, shell_word
+from armour.files import csv_value, shell_line
 from armour.foreign import Rows
 from armour.scenario.checked import is_name, is_number, several
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
@@ -164,7 +164,7 @@ def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: c
                 source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
     elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
         found = f'must be a key of numbers, found "{next(filter(None, cells))[:40]}"'
-        source.wrong(f"{source.place}: {key}", f"{found}; --keep {shell_word(key)} keeps it as a label, unused")
+        source.wrong(f"{source.place}: {key}", f"{found}; --keep {shell_line([key])} keeps it as a label, unused")
     else:
         values, _ = source.numbers(key, column, places, cells, needed=True)
     return np.array(values)

@@ -167,7 +167,7 @@ def designs(confidence: float | None = None, ceramic: str | None = "AD85") -> De
     """Designs against one impact; a bare plate where there is no ceramic."""
     grid = OFFERED if ceramic else {**OFFERED, "ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}}
     name = "6061-T6" if ceramic else "AA6082-T651"
-    changes = {} if confidence is None else {"design": {"confidence": confidence}}
+    changes = {} if confidence is None else {"design": {"probability_of_stopping": confidence}}
     velocity = 800.0 if ceramic else 300.0
     return optimise(
         scenario(ceramic=ceramic, ceramic_mm=0.0, backing=name, velocity=velocity, optimise=grid, **changes)
@@ -238,7 +238,7 @@ def test_designs_of_bare_plates_are_drawn_over_their_thickness():
 
 
 def test_designs_of_which_no_probability_is_known_have_no_line_of_one():
-    case = scenario(ceramic="SiC", optimise=OFFERED, design={"confidence": 0.9})
+    case = scenario(ceramic="SiC", optimise=OFFERED, design={"probability_of_stopping": 0.9})
     picture = picture_of(optimise(case))
     assert picture.note.startswith("No probability is known for these designs.")
     assert labels(*picture.axes)[:2] == ["not known", "equal areal density, kg/m²"]

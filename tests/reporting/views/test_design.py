@@ -98,7 +98,7 @@ def test_a_limit_of_the_design_that_is_exceeded_decides():
 
 
 def test_a_sampled_probability_lies_within_its_interval_as_shown():
-    [threat] = check(scenario(velocity=600.0, design={"confidence": 0.9106})).threats
+    [threat] = check(scenario(velocity=600.0, design={"probability_of_stopping": 0.9106})).threats
     shown = replace(threat, probability_of_stopping=0.91053, sampled=Estimate(0.08947, 0.08932, 0.08961))
     assert chance_text(shown) == "91.0 % (sampled 91.0 to 91.1 %)"
 

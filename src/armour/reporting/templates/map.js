@@ -320,7 +320,7 @@ function better([p, a], [q, b]) {
 const quoted = word => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", `'"'"'`)}'`);
 function command(pair, k) {
   const t = deciding(pair, k), threat = threats[t], [c, b] = thicknesses(pair, k), own = DATA.own;
-  const changes = new Map([...DATA.changes, ...pair.changes].map(change => [change.split("=")[0].trim(), change]));
+  const changes = new Map(DATA.changes.map(change => [change.split("=")[0].trim(), change]));
   const set = (key, value, same) => same !== value && changes.set(key, `${key}=${typeof value === "string" ? JSON.stringify(value) : value}`);
   if (pair.ceramic) {
     set("armour.ceramic", pair.ceramic, own.ceramic);

@@ -72,7 +72,7 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     line = VerdictLine(in_a_line(result), good=None if result.probability_of_perforation else False)
     shown: list[Table | str] = [line, Table.of_facts({"limit": "; ".join(limit)}), influence_table(result)]
     if result.question.get("every_row"):
-        sampling = f"{result.samples} by {result.method}, seed {result.seed}"
+        sampling = f"{result.samples} by sobol, seed {result.seed}"
         spread = f"{result.standard_deviation_m_s:.0f} m/s"
         shown.append(Table.of_facts({"samples": sampling, "standard deviation": spread}))
         shown.append(error_note(result.model_error, result.question.get("scenario")))
