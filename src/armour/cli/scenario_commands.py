@@ -105,8 +105,6 @@ def ballistic_limit(
 
 def compare(
     scenario: Path = SCENARIO,
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
     changes: list[str] | None = CHANGES,
     verbose: bool = VERBOSE,
     as_json: bool = AS_JSON,
@@ -118,10 +116,9 @@ def compare(
     armour compare wilkins
     """
     loaded = read_scenario(scenario, changes, ANSWERS["compare"])
-    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, as_json=as_json, verbose=verbose)
 
 
 def check(

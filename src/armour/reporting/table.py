@@ -53,6 +53,11 @@ def wrapped(text: str, width: int) -> list[str]:
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
 
 
+def sentence(words: str) -> str:
+    """Return words as a sentence, with a capital letter and a full stop."""
+    return f"{words[:1].upper()}{words[1:]}."
+
+
 def percent(part: float) -> str:
     """Format a fraction, such as a confidence level, in per cent: 0.95 gives "95 %"."""
     return f"{100.0 * part:g} %"

@@ -6,7 +6,6 @@ from armour.reporting.by_result import in_a_line
 from armour.reporting.views import statistics as view
 from armour.reporting.views.statistics import correlation_table, residual_table, share_note
 from armour.reporting.words import chance
-from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.v50 import Shots, v50
@@ -124,14 +123,6 @@ def test_a_mean_within_another_span_is_not_named_after_the_standard():
     mean = facts(view.tables_of_firing(v50(shots, pairs=3, span_m_s=60.0)))["mean"]
     assert mean.startswith("720 m/s of 3 + 3 shots")
     assert "MIL-STD-662F" not in mean
-
-
-def test_why_an_interval_is_wider_with_a_prior():
-    velocities = (735.0, 738.0, 740.0, 742.0, 746.0, 747.0, 744.0, 745.0, 748.0, 749.0, 751.0, 752.0)
-    shots = Shots(velocities, (False,) * 6 + (True,) * 6)
-    found = v50(shots, load_scenario("wilkins"), prior=True)
-    assert view.WIDER in view.tables_of_firing(found.of(every_row=True))
-    assert view.WIDER not in view.tables_of_firing(v50(shots).of(every_row=True))
 
 
 def test_a_requirement_is_met_at_the_one_sided_bound():

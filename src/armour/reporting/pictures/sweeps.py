@@ -12,10 +12,8 @@ from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, in_words, number
 from armour.reporting.views.sweeps import is_number
-from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
-from armour.units import MM
 
 # Quantities that are zero where the projectile is stopped.
 RESIDUALS = ("residual_velocity_m_s", "residual_mass_g", "plug_velocity_m_s")
@@ -41,7 +39,7 @@ def draw_columns(
     """Draw the quantity `name` over one numerical key of a sweep, as a curve, or over two, as a map.
 
     `table` has an array (rows,) by name of key or quantity.  A key whose values are names gives a mark for each name
-    or, beside a numerical key, a curve.  A map over both thicknesses also has lines of equal areal density.
+    or, beside a numerical key, a curve.
     """
     answer, values = Column.of(name, ".4g"), table[name]
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(Column.of(key).label for key in keys)}"
@@ -67,7 +65,7 @@ def draw_columns(
     if len(named) == len(keys):
         _draw_names(axes, table, named, answer, values)
     elif is_map:
-        _draw_map(axes, table, keys, answer, scenario)
+        _draw_map(axes, table, keys, answer)
     else:
         _draw_curves(axes, table, next(key for key in keys if key not in named), named, answer, is_far)
     return picture
@@ -103,19 +101,14 @@ def _draw_curves(
         axes.set_xlim(drawing.widened(x.tolist()))
 
 
-def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column, scenario: Scenario) -> None:
+def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column) -> None:
     """Draw a quantity over two numerical keys as colours and contours."""
     x, y, z = drawing.on_grid(table[keys[0]], table[keys[1]], table[answer.key])
     # Where the projectile is stopped, a residual is left out: contours towards its zero would follow the cells.
     shown: Any = np.where(z > 0.0, z, np.nan) if answer.key in RESIDUALS else z
     drawing.colours_of(axes, x, y, shown, answer.heading)
     if min(z.shape) > 1:
-        drawing.contours(axes, x, y, shown, 10, at=0.2)
-        if set(keys) == {CERAMIC, BACKING}:
-            thickness, armour = dict(zip(keys, np.meshgrid(x, y), strict=True)), scenario.core_armour()
-            areal = armour.rho_c * MM * thickness[CERAMIC] + armour.rho_B * MM * thickness[BACKING]
-            label = f"lines of equal {in_words('areal_density_kg_m2')}"
-            drawing.contours(axes, x, y, areal, 5, at=-0.2, label=label, linestyle="--", color=drawing.VERMILION)
+        drawing.contours(axes, x, y, shown, 10, numbered=True)
     axes.set(xlabel=in_words(keys[0]), ylabel=in_words(keys[1]))
 
 

@@ -1,4 +1,4 @@
-"""Draw suites, figures of the paper, and comparisons with simpler formulas."""
+"""Draw suites and figures of the paper."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -8,12 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
-from armour.reporting.by_result import draw, headline
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
-from armour.reporting.views.validation import drawn_checks, limits_by_formulas
+from armour.reporting.views.validation import drawn_checks
 from armour.scenario.sections import TINY
-from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
 from armour.validation.suite_sections import CASES
 from armour.validation.validate import SuiteResult
@@ -40,7 +39,7 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
     picture = sheet.panels(title, *[sheet.width - 0.3] * len(by_quantity), note=note)
     for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
-            group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
+            group or CASES: [drawing.Compared(check.case.expected, check.computed) for check in members]
             for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
         # Lines at the relative band, if all cases have the same, and else at 10 %.
@@ -84,25 +83,3 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
     shown = [value for values in figure.curves.values() for value in values if value is not None]
     if shown and min(shown) < 0.3 * max(shown):
         axes.set_ylim(bottom=0.0)
-
-
-@draw.register
-def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw residual velocities by the model, with ballistic limits by simpler formulas.
-
-    Limits outside the range of the curve are named in the note.
-    """
-    impact = [point.impact_velocity_m_s for point in result.curve]
-    limits = limits_by_formulas(result)
-    drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
-    beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
-    picture = sheet.panels(
-        headline(result), 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else ""
-    )
-    [axes] = picture.axes
-    residual = [point.residual_velocity_m_s for point in result.curve]
-    axes.plot(impact, residual, color=drawing.COLOURS[0], label="the model")
-    for (name, velocity), style in zip(drawn, drawing.STYLES[1:], strict=False):
-        axes.axvline(velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE)
-    drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
-    return picture

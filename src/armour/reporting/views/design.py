@@ -464,14 +464,17 @@ def design_in_a_line(result: DesignResult) -> str:
     return f"{found_in_a_line(result)}; {in_a_line(result.shown.check)}"
 
 
+def best_word(result: DesignResult) -> str:
+    """Return what the design shown is: "lightest", say, "lightest by the model", or "nearest" if none passes."""
+    if result.reason == "none passes":
+        return "nearest"
+    by_model = any(threat.expected_limit_m_s is None for threat in result.shown.check.threats)
+    return OBJECTIVES[result.minimised].least + " by the model" * by_model
+
+
 def found_in_a_line(result: DesignResult) -> str:
     """Return the best design or, without one, the nearest, with its areal density, thickness and cost."""
-    least, threats = OBJECTIVES[result.minimised].least, result.shown.check.threats
-    if result.reason == "none passes":
-        least = "nearest"
-    elif any(threat.expected_limit_m_s is None for threat in threats):
-        least += " by the model"
-    return f"{least}: {armour_in_words(result.shown)}, {amounts(result.shown.check)}"
+    return f"{best_word(result)}: {armour_in_words(result.shown)}, {amounts(result.shown.check)}"
 
 
 @tables_of.register

@@ -290,9 +290,6 @@ SEPARATED = (
     "every shot that perforated was faster than every one stopped: by maximum likelihood every V50 between them is "
     "equally likely, and the scatter is 0"
 )
-WIDER = (
-    "the posterior is wider than the interval by the shots alone: its prior expects more scatter than the shots show"
-)
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
@@ -381,14 +378,6 @@ def firing_in_a_line(result: FiringResult) -> str:
     return decision(result) if result.decision else _v50_words(result)
 
 
-def at_one_level(result: FiringResult) -> str:
-    """Return V50 by the recommended curve, or else the first, with its interval at the level asked for."""
-    fit = result.recommended or next(iter(result.fits), None)
-    if fit is None or result.extrapolated:
-        return "V50 not bounded by these shots"
-    return f"V50 {fit.v50_m_s:.0f} m/s, {percent(result.confidence)} interval {interval(fit.v50_interval_m_s, '.0f')}"
-
-
 def _v50_words(result: FiringResult) -> str:
     """Return V50 by the recommended curve, with its interval and, without a requirement, its lower bound."""
     level, ends, fit = result.bounded_confidence, result.bounded_interval_m_s, result.recommended
@@ -409,11 +398,27 @@ def _v50_words(result: FiringResult) -> str:
 def tables_of_firing(result: FiringResult) -> list[Table | str]:
     """Return whether a requirement is met, V50, and what it rests on; with `every_row`, also all curves."""
     good = result.decision == "met" if result.decision else None
-    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=good)]
-    shown += [VerdictLine(_v50_words(result))] if result.decision else []
-    shown += [Table.of_facts(_facts_of(result)), *second_note(result.recommended)]
+    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=good), *facts_of_firing(result)]
     if not result.question.get("every_row"):
         return shown
+    shown += estimates(result)
+    if result.fits:
+        shown.append(curve_table(result))
+    if (limit := result.model_ballistic_limit_m_s) is not None:
+        shown.append(f"ballistic limit {limit:.0f} m/s by the model")
+    shown += [MEAN_NOTES[result.mean.rule]] if result.mean is not None else []
+    return [*shown, *([SEPARATED] if result.separated else [])]
+
+
+def facts_of_firing(result: FiringResult) -> list[Table | str]:
+    """Return V50, if a decision on a requirement stands before it, and what it rests on."""
+    v50 = [VerdictLine(_v50_words(result))] if result.decision else []
+    return [*v50, Table.of_facts(_facts_of(result)), *second_note(result.recommended)]
+
+
+def estimates(result: FiringResult) -> list[Table | str]:
+    """Return the risks of deciding now, the recommended curve and, with a prior, V50 with and without the shots."""
+    shown: list[Table | str] = []
     if result.consumers_risk is not None and result.producers_risk is not None:
         risks = f"{rounded_risk(result.consumers_risk)}, of rejecting it {rounded_risk(result.producers_risk)}"
         shown.append(f"risk of accepting the armour now {risks}; {FIXED}")
@@ -422,15 +427,7 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
     if result.prior is not None and result.posterior is not None and result.prior_share is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
         shown += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
-        low, high = (None, None) if result.recommended is None else result.recommended.v50_interval_m_s
-        slowest, fastest = result.posterior.v50_interval_m_s
-        shown += [WIDER] if low is not None and high is not None and high - low < fastest - slowest else []
-    if result.fits:
-        shown.append(curve_table(result))
-    if (limit := result.model_ballistic_limit_m_s) is not None:
-        shown.append(f"ballistic limit {limit:.0f} m/s by the model")
-    shown += [MEAN_NOTES[result.mean.rule]] if result.mean is not None else []
-    return [*shown, *([SEPARATED] if result.separated else [])]
+    return shown
 
 
 def _facts_of(result: FiringResult) -> dict[str, str]:
