@@ -16,7 +16,7 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import wrapped
+from armour.reporting.table import sentence, wrapped
 from armour.reporting.views.analysis import STAGES, far_of
 from armour.reporting.words import chance, said_of
 from armour.units import MM
@@ -79,7 +79,7 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
     """Return sentences on what is far from the tests, and the caveats of the model."""
     texts = (str(text) for text in (*far_of(result), *said_of(result.notes)))
-    return [f"{text[:1].upper()}{text[1:]}." for text in texts]
+    return [*map(sentence, texts)]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:

@@ -16,7 +16,7 @@ from armour.design.requirements import EVEN
 from armour.errors import Note
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import grouped, in_words, percent
+from armour.reporting.table import grouped, in_words, percent, sentence
 from armour.reporting.views import design as view
 from armour.reporting.words import chance, said_of
 
@@ -197,7 +197,7 @@ def _front_notes(result: DesignResult) -> list[str]:
 def _caveats(threat: CheckedThreat, notes: Iterable[Note]) -> list[str]:
     """Return as sentences what is far from the tests against a threat, and the caveats of the model."""
     far = [f"far from the tests: {', '.join(threat.far_from_tests)}"] if threat.far_from_tests else []
-    return [f"{text[:1].upper()}{text[1:]}." for text in (*far, *said_of(notes))]
+    return [*map(sentence, (*far, *said_of(notes)))]
 
 
 @draw.register

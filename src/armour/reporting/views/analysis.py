@@ -67,13 +67,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     depth = f"{result.penetration_depth_mm:.1f} mm below the front face"
     shown.append(Table.of_facts({"armour": armour_words(result), "depth": depth}))
     if confidence is not None:
-        shown += phrases.basis_notes(confidence)
-        distributed = result.question["scenario"].uncertainty
-        if confidence.model_error is None and distributed is not None and distributed.inputs():
-            shown.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
-        elif (exceeds := confidence.probability_v50_exceeds_velocity) is not None:
-            at = f"{result.impact_velocity_m_s:g} m/s"
-            shown.append(f"V50 exceeds {at} with {phrases.chance(exceeds)}; {phrases.scatter(confidence.model_error)}")
+        shown += [*phrases.basis_notes(confidence), *phrases.v50_notes(confidence, result.impact_velocity_m_s)]
     return shown
 
 
@@ -194,9 +188,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
         low, high = result.scanned_range_m_s
         below, above = result.bracket_m_s
         scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-        if (error := result.model_error) is not None:
-            more = *phrases.extrapolation(error), *phrases.tested_here(error)
-            shown.append("; ".join([phrases.size_of(error), *more]))
+        shown += [] if result.model_error is None else [phrases.model_error_words(result.model_error)]
         shown.append(f"{scanned}; bracket width {above - below:.1g} m/s")
     return shown
 

@@ -20,7 +20,7 @@ from armour.reporting.table import (
     with_interval,
 )
 from armour.reporting.views.analysis import tables_of_each
-from armour.reporting.words import chance, error_note, rounded_up, sampled_percents
+from armour.reporting.words import chance, model_error_words, rounded_up, sampled_percents
 from armour.scenario.scenario import rounds
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
@@ -76,7 +76,7 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
         sampling = f"{result.samples} by {result.method}, seed {result.seed}"
         spread = f"{result.standard_deviation_m_s:.0f} m/s"
         shown.append(Table.of_facts({"samples": sampling, "standard deviation": spread}))
-        shown.append(error_note(result.model_error, result.question.get("scenario")))
+        shown += [] if result.model_error is None else [model_error_words(result.model_error)]
     return shown
 
 
@@ -492,17 +492,9 @@ def _difference(pair: str, found: V50Difference, pairs: int) -> str:
 
 @tables_of.register
 def tables_of_lots(result: LotResults) -> list[Table | str]:
-    """Return whether the lots differ, V50 of each at one level, and the tables of each."""
+    """Return whether the lots differ, and the line or the tables of each."""
     shown: list[Table | str] = [*difference_words(result)]
     shown += [ONE_SCATTER] if shown else []
-    fits = {name: lot.recommended for name, lot in result.results.items() if isinstance(lot, FiringResult)}
-    if any(fits.values()):
-        level = percent(next(lot.confidence for lot in result.results.values() if isinstance(lot, FiringResult)))
-        v50: Source = Column("V50", "m/s", ".0f"), lambda row: row[1].v50_m_s
-        ends: Source = Column(f"{level} interval", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".0f")
-        scatter: Source = Column("scatter", "m/s", ".0f"), lambda row: row[1].scale_m_s
-        known = [(name, fit) for name, fit in fits.items() if fit is not None]
-        shown.append(Table.of(known, (Column("lot"), lambda row: row[0]), v50, ends, scatter, title="V50 of each"))
     return [*shown, *tables_of_each(result)]
 
 
