@@ -55,7 +55,7 @@ def test_one_page_has_what_a_range_files(cli, folder: Path, table: Path):
     assert "* mean: none: 3 + 3 within 37 m/s, 27.4 allowed; 2 + 2 within 19 m/s, 18.3 allowed" in page
     shots = rows_of(page, "Shots")
     assert [shot[0] for shot in shots] == ["1", "2", "3", "4", "5", "6"]
-    assert shots[1] == ["2", "801.0", "complete", "yes"]
+    assert shots[1] == ["2", "801.0", "perforated", "yes"]
     assert "| in the mean of 3 + 3, spread exceeded |" in page
     unused = rows_of(page, "Shots not used")
     assert unused[0] == ["line 10", "Fair hit: no", "7; 788; CP; no; yaw 6 deg; A"]

@@ -209,4 +209,3 @@ def test_layers_without_ballistic_effect_are_drawn_in_their_places():
     assert caption == ["0.5 mm cover", "0.5 mm foil", "6.35 mm AD85", "0.5 mm glue", "6.35 mm 6061-T6", "0.5 mm liner"]
     drawn = [float(width) for width in re.findall(r'y="0" width="([\d.]+)" height="[\d.]+" fill="var', content)]
     assert drawn == [0.5, 0.5, 6.35, 0.5, 6.35, 0.5]
-    assert "glue, between tile and back plate: 0.5 mm and 0.6 kg/m²" in content

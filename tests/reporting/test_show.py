@@ -106,7 +106,7 @@ def test_what_cannot_be_drawn():
         plot(history)
     with pytest.raises(InputError, match="a quantity that is a number, found only outcome"):
         plot(sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, "outcome"))
-    with pytest.raises(InputError, match="one or two keys, found 3"):
+    with pytest.raises(InputError, match="one or two keys of numbers, found"):
         plot(sweep(scenario(), {key: [7.0] for key in THREE}, "areal_density_kg_m2"))
 
 

@@ -63,7 +63,6 @@ def simulate(
     armour simulate wilkins --velocity 700 --history run.csv --plot run.svg
     """
     from armour.evidence.tests import scenario_warnings
-    from armour.reporting.views.analysis import history_csv
 
     settings = {"--velocity": (VELOCITY, velocity)}
     loaded = read_scenario(scenario, changes, ANSWERS["simulate"], settings)
@@ -77,7 +76,7 @@ def simulate(
     notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
     extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    files: Files = {history: lambda _: history_csv(result)}
+    files: Files = {history: lambda _: rows_csv(result.history or ())}
     answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 

@@ -13,7 +13,6 @@ from armour.reporting.views import statistics as views
 from armour.statistics.v50 import FiringResult, LotResults, MeanV50, Shots
 
 SIGNED = ("Fired by", "Checked by")
-RESULTS = {False: "partial", True: "complete"}
 
 
 def firing_report(result: Result, command: str) -> Report:
@@ -63,16 +62,11 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
 
 def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
     """Tabulate the shots used, and which of them a mean is of."""
-    rows = range(len(shots.complete))
-    averaged = _averaged(shots, mean.pairs) if mean else set[int]()
-    heading = f"in the mean of {mean.pairs} + {mean.pairs}" if mean else ""
-    heading += "" if mean is None or mean.is_allowed else ", spread exceeded"
-    return Table.of(
-        rows,
-        (Column("shot"), lambda i: shots.names[i] if shots.names else str(i + 1)),
-        (Column("velocity", "m/s", ".1f"), lambda i: shots.velocities_m_s[i]),
-        (Column("result"), lambda i: RESULTS[shots.complete[i]]),
-        (Column(heading), lambda i: "yes" if i in averaged else ""),
+    if mean is None:
+        return views.shot_table(shots)
+    exceeded = "" if mean.is_allowed else ", spread exceeded"
+    return views.shot_table(
+        shots, _averaged(shots, mean.pairs), f"in the mean of {mean.pairs} + {mean.pairs}{exceeded}"
     )
 
 

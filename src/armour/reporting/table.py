@@ -131,11 +131,6 @@ class Column:
         words, unit = label_and_unit(key)
         return cls(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
 
-    @classmethod
-    def of_each(cls, **specs: str) -> list[Self]:
-        """Return a column for each keyword, an attribute with its format specification."""
-        return [cls.of(key, spec) for key, spec in specs.items()]
-
     @property
     def heading(self) -> str:
         """Label and unit, such as "velocity, m/s"."""

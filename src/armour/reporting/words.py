@@ -9,16 +9,11 @@ from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, Table, VerdictLine, beside, interval, number, percent
+from armour.reporting.table import Column, Table, VerdictLine, beside, interval, number, percent
 from armour.scenario.library import named_threats
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-# Areal density including a back plate that exists already; empty without one.
-WHOLE: Source = (
-    Column.of("whole_areal_density_kg_m2", label="whole armour"),
-    lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
-)
 # Caveat of a probability where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 

@@ -4,7 +4,6 @@ from itertools import combinations
 from xml.etree import ElementTree
 
 import matplotlib as mpl
-import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -25,7 +24,6 @@ from armour.reporting.pictures.drawing import (
     contours,
     drawn,
     legible,
-    points,
     ranges,
     rows,
     rows_height,
@@ -120,15 +118,6 @@ def test_the_ends_of_a_range_may_be_in_either_order():
     ranges(picture.axes[0], [1.0, 3.0], [(2.0, 4.0), (5.5, 4.0)], BLUE)
     [bars] = [item for item in picture.axes[0].collections if isinstance(item, LineCollection)]
     assert [[x for x, _ in ends] for ends in bars.get_segments()] == [[2.0, 4.0], [4.0, 5.5]]
-
-
-def test_points_beyond_fixed_limits_are_left_out():
-    axes = Sheet().panels("T", PANEL).axes[0]
-    axes.set_xlim(0.0, 6.0)
-    points(axes, [1.0, 9.0], [1.0, 2.0], label="p")
-    points(axes, [9.0], [2.0], label="none")
-    [line] = axes.lines
-    np.testing.assert_array_equal(line.get_xdata(), [1.0, np.nan])
 
 
 def test_names_are_rows_with_the_first_on_top():

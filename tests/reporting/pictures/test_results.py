@@ -99,9 +99,7 @@ def test_an_impact():
     assert depths.get_xlabel() == "time since impact, µs"
     curves_named = ["projectile V", "penetration U", "target W", "depth Z", "bulge h"]
     assert labels(*picture.axes) == ["tile", "plate", *curves_named]
-    stages = [words.splitlines() for words in words_in(velocities)]
-    assert [code for code, *_ in stages] == [stage.stage for stage in found.stages]
-    assert ["ii.1", "fragmented tile"] in stages
+    assert words_in(velocities) == [stage.stage for stage in found.stages]
     events = [words.splitlines()[2:] for words in words_in(scene) if "µs" in words]
     assert [" ".join(words) for words in events] == [
         "impact",
@@ -119,12 +117,6 @@ def test_an_impact():
         [np.interp(stage.end_us, found.history.time_us, found.history.length_mm) for stage in found.stages]
     )
     assert lengths.get_ylim()[0] == 0.0
-
-
-def test_stages_without_room_for_words_have_their_codes_or_nothing():
-    found = impact_result().of(scenario=scenario())
-    shown = list(filter(None, words_in(drawn(drawing_of(found), Sheet(1.5)).axes[1])))
-    assert 0 < len(shown) < len(found.stages)
 
 
 def test_the_end_of_dwell_is_named_as_that():
@@ -267,12 +259,6 @@ def test_a_figure_of_the_paper():
     assert len(axes.containers) == 1  # the range of one of them
 
 
-def test_a_series_of_several_panels_is_named_once():
-    first, second = drawn(partial(validation.draw_figure, [figure(), figure()]), Sheet()).axes
-    assert labels(first) == ["A", "B", "L", "printed", "another"]
-    assert not labels(second)
-
-
 def test_parity_of_the_tables_of_a_suite(folder):
     picture = picture_of(result(folder, TABLE + case("own", 700.0, "band = 100.0")))
     [axes] = picture.axes
@@ -301,7 +287,7 @@ def test_a_calibration():
     [axes] = picture.axes
     assert picture.title == "Ceramic flow stress 5.2 GPa (95 % between 4.9 and 5.5)"
     assert headings(picture) == [("measured ballistic limit, m/s", "computed ballistic limit, m/s")]
-    assert labels(axes) == ["tests", "stopped at", "agreement"]
+    assert labels(axes) == ["tests", "stopped at", "agreement", "± 10 %"]
     assert (x_of(marks(axes)["tests"])[0], y_of(marks(axes)["tests"])[0]) == (700.0, 705.0)
 
 
@@ -366,11 +352,12 @@ def test_a_v50():
     assert ends == pytest.approx(found.bounded_interval_m_s)
 
 
-def test_a_requirement_of_a_v50_is_named_on_the_axis_or_in_the_note():
-    near = picture_of(fired(requirement_m_s=VELOCITIES[0], requirement_fraction=0.05, decision="not decided"))
-    assert f"not decided: V05 required {VELOCITIES[0]:.1f} m/s" in labels(near.axes[0])
-    far = picture_of(fired(requirement_m_s=300.0))
-    assert "The velocity required, 300 m/s, lies outside the axis" in far.note
+def test_the_axis_of_a_v50_has_the_requirement_and_the_limit_by_the_model():
+    [axes] = picture_of(fired(requirement_m_s=600.0, requirement_fraction=0.05, decision="not decided")).axes
+    assert "not decided: V05 required 600.0 m/s" in labels(axes)
+    assert f"limit by the model {WILKINS_LIMIT:.1f} m/s" in labels(axes)
+    [axes] = picture_of(fired(model_ballistic_limit_m_s=950.0)).axes
+    assert "limit by the model 950.0 m/s" in labels(axes)
 
 
 def test_the_posterior_of_a_v50_is_drawn():
@@ -383,14 +370,6 @@ def test_the_posterior_of_a_v50_is_drawn():
     low, high = axes.get_xlim()
     assert low < found.posterior.v50_interval_m_s[0] < found.posterior.v50_interval_m_s[1] < high
     assert "Posterior, with the model as prior: 95 % interval" in picture.note
-
-
-def test_a_limit_outside_the_axis_of_a_v50_is_in_the_note_and_not_in_the_legend():
-    picture = picture_of(fired(model_ballistic_limit_m_s=950.0))
-    axes = picture.axes[0]
-    assert axes.get_xlim()[1] < 950.0
-    assert not any("this model" in label for label in labels(axes))
-    assert "950.0 m/s, lies outside the axis" in picture.note
 
 
 def test_an_uncertainty_without_a_known_probability_draws_what_is_given_and_calls_it_so():
@@ -435,25 +414,6 @@ def test_a_sweep_over_one_key():
     assert axes.get_xlim()[1] > 6.0
 
 
-def test_a_sweep_over_names_has_rows_and_one_over_names_and_numbers_curves():
-    names, limits = ["AD85", "AD85", "Al-N", "Al-N"], np.array([5.0, 7.0, 6.0, np.nan])
-    columns = {"armour.ceramic": np.array(names), CERAMIC: np.array([4.0, 6.0] * 2), "ballistic_limit_m_s": limits}
-    [axes] = sweep_picture(columns, "armour.ceramic", CERAMIC).axes
-    lines = {label: y_of(line) for label, line in curves(axes).items()}
-    assert lines == {"AD85": [5.0, 7.0], "Al-N": pytest.approx([6.0, nan], nan_ok=True)}
-    columns["armour.backing"] = np.array(["5083-H3", "6061-T6"] * 2)
-    for keys, ends in (
-        (("armour.ceramic", "armour.backing"), {"5083-H3": [5.0, 6.0], "6061-T6": [7.0]}),
-        (("armour.backing", "armour.ceramic"), {"AD85": [5.0, 7.0], "Al-N": [6.0]}),
-    ):
-        [axes] = sweep_picture(columns, *keys).axes
-        assert {label: x_of(line) for label, line in marks(axes).items()} == ends
-    first = {key: values[::2] for key, values in columns.items()}
-    [axes] = sweep_picture(first, "armour.ceramic").axes
-    [points] = marks(axes).values()
-    assert (rows_of(axes), x_of(points)) == (["AD85", "Al-N"], [5.0, 6.0])
-
-
 @pytest.mark.parametrize("keys", [(CERAMIC, BACKING), (BACKING, CERAMIC)])
 def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
     picture = sweep_picture(table(*keys), *keys)
@@ -464,7 +424,7 @@ def test_a_sweep_over_both_thicknesses(keys: tuple[str, str]):
     assert 405.0 < min(limits.levels) < max(limits.levels) < 807.0
     words = {CERAMIC: "tile", BACKING: "plate"}
     over = f"{words[keys[0]]} thickness and {words[keys[1]]} thickness"
-    assert picture.title == f"Ballistic limit over {over}: 405 to 807 m/s"
+    assert picture.title == f"Ballistic limit over {over}"
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

@@ -4,7 +4,7 @@ import pytest
 
 from armour.reporting.by_result import in_a_line
 from armour.reporting.views import statistics as view
-from armour.reporting.views.statistics import correlation_table, residual_table, share_note
+from armour.reporting.views.statistics import correlation_table, residual_table
 from armour.reporting.words import chance
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
@@ -68,12 +68,9 @@ def test_many_tests_are_their_errors_and_the_farthest(calibration: CalibrationRe
 
 def test_residuals(calibration: CalibrationResult):
     assert residual_table(calibration).texts() == [
-        ["1", "", "700", "714", "+2.0", "+3.0", ""],
-        ["2", "at least", "800", "790", "", "", "no"],
+        ["1", "ballistic limit, m/s", "", "700", "714", "+2.0", "+3.0", ""],
+        ["2", "ballistic limit, m/s", "at least", "800", "790", "", "", "no"],
     ]
-    mixed = replace(calibration.residuals[0], quantity="residual_mass_g")
-    several = residual_table(replace(calibration, residuals=(*calibration.residuals, mixed)))
-    assert several.texts()[2] == ["1", "residual mass", "g", "", "700", "714", "+2.0", "+3.0", ""]
 
 
 def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
@@ -82,7 +79,6 @@ def test_a_mean_of_no_usual_rule_and_shots_without_a_rising_curve():
     assert in_a_line(found) == "V50 not known: no curve rises with the velocity"
     mean = facts(view.tables_of_firing(found))["mean"]
     assert mean == "765 m/s of 1 + 1 shots within 30 m/s, 30 allowed (no usual rule)"
-    assert view.MEAN_NOTES["no usual rule"] in view.tables_of_firing(found.of(every_row=True))
 
 
 def test_the_answer_has_an_interval_that_is_bounded_or_what_would_bound_it():
@@ -161,9 +157,3 @@ def test_where_a_probability_is_not_known_what_is_given_is_called_so():
     between = "90 % between 680 and 770 m/s"
     assert facts(view.tables_of_uncertainty(known))["limit"] == f"720 m/s expected; {between}; 724 m/s by the model"
     assert facts(view.tables_of_uncertainty(unknown))["limit"] == f"{between}; 724 m/s by the model"
-
-
-def test_parts_of_the_prior():
-    assert "contributes 1.6 % of" in share_note(0.0159)
-    assert "contributes 40 % of" in share_note(0.4)
-    assert share_note(1.0) == "the shots do not narrow V50: its posterior is no narrower than its prior"

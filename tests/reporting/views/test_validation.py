@@ -35,11 +35,6 @@ def test_a_suite_is_its_verdict_and_a_row_for_each_table(folder: Path):
     assert view.tables_of_suite(found.of(every_row=True))[0] == in_a_line(found)
 
 
-def test_deviations_too_small_to_mean_anything_have_no_digits(folder: Path):
-    exact = TABLE.replace("720.0", f"{WILKINS_LIMIT}").replace("730.0", f"{WILKINS_LIMIT}")
-    assert view.overview_table(result(folder, exact)).texts()[0][2] == "below 0.01 m/s"
-
-
 def test_curves_as_a_file():
     axes: dict[str, Any] = {"x_label": "x, mm", "y_label": "V, m/s"}
     section = FigureSection.model_construct(**axes)
@@ -85,7 +80,7 @@ def test_every_case_and_table_is_a_test_case(folder: Path):
     failure = cases["cases", "out"].find("failure")
     assert failure is not None
     assert failure.get("message") == (
-        "expected 725 m/s, computed 723.8 m/s, deviation -1.2 m/s, relative deviation -0.17 %, band ± 1 m/s"
+        "expected 725 m/s, computed 723.778 m/s, deviation -1.222 m/s, relative deviation -0.17 %, band ± 1 m/s"
     )
     assert cases["cases", "slip"].find("skipped") is not None
     assert cases["cases", "in"].find("failure") is None

@@ -16,9 +16,10 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import sentence, wrapped
+from armour.reporting.table import in_words, sentence, wrapped
 from armour.reporting.views.analysis import STAGES, far_of
 from armour.reporting.words import chance, said_of
+from armour.scenario.inputs import VELOCITY
 from armour.units import MM
 
 VELOCITY_LINES = {
@@ -83,7 +84,7 @@ def _caveats(result: ImpactResult | LimitResult) -> list[str]:
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
-    """Name the stages above a panel: in words where there is room, else by their codes, or not at all.
+    """Name the stages above a panel by their codes, where there is room.
 
     `shown` is the last time drawn, µs, and `inches` the least width of the panel.
     """
@@ -91,11 +92,9 @@ def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) 
         if stage.start_us < shown:
             start, end = stage.start_us, min(stage.end_us, shown)
             room = int((end - start) / shown * inches * 72.0 / (drawing.CHARACTER * drawing.SMALL_FONT))
-            words = STAGES[stage.stage].name
-            fits = max(map(len, words.split())) <= room
-            lines = [stage.stage, *wrapped(words, room)] if fits else [stage.stage] * (len(stage.stage) <= room)
-            place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
-            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), fontsize=drawing.SMALL_FONT, **place)
+            if len(stage.stage) <= room:
+                place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+                axes.text(0.5 * (start + end), 1.01, stage.stage, fontsize=drawing.SMALL_FONT, **place)
 
 
 class _Scene:
@@ -234,5 +233,6 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual.axvline(limit, linestyle=":", label="limit by the model" if residual_alone else "", **drawing.RULE)
     label = f"{threat:g} m/s" if residual_alone else ""
     residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)
-    drawing.residual_axes(residual, reach)
+    residual.set(xlabel=in_words(VELOCITY), ylabel=in_words("residual_velocity_m_s"), xlim=reach)
+    residual.set_ylim(bottom=0.0)
     return picture

@@ -209,21 +209,13 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     notes = ["Percentages: probability that the armour stops a shot.", *_caveats(deciding(result), result.notes)]
     picture = sheet.panels(headline(result), *heights, note=" ".join(notes))
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
-        last = axes is picture.axes[-1]
-        drawing.name_rows(axes, changes)
-        places = range(len(changes))
-        shown = [
+        limits = [
             row.ballistic_limit_m_s if row.expected_limit_m_s is None else row.expected_limit_m_s for row in what_ifs
         ]
-        limits = np.array(shown, float)
-        # An unknown interval is drawn as the limit alone.
-        ends = [row.interval_m_s or (limit, limit) for row, limit in zip(what_ifs, limits, strict=True)]
-        drawing.ranges(axes, places, ends, drawing.BLUE)
-        is_known = any(row.interval_m_s for row in what_ifs)
-        label = ("expected limit, 95 % interval" if is_known else "limit by the model") if last else ""
-        drawing.points(axes, limits, places, color=drawing.BLUE, label=label)
-        velocities = [row.velocity_m_s for row in what_ifs]
-        label = "velocity of the round" if last else ""
-        drawing.points(axes, velocities, places, marker="D", color=drawing.VERMILION, label=label)
+        ends = {place: row.interval_m_s for place, row in enumerate(what_ifs) if row.interval_m_s is not None}
+        name = "expected limit, 95 % interval" if ends else "limit by the model"
+        drawing.rows(axes, changes, {name: limits, "velocity of the round": [row.velocity_m_s for row in what_ifs]})
+        if ends:
+            drawing.ranges(axes, list(ends), list(ends.values()), drawing.BLUE)
         axes.set(xlabel="velocity, m/s", title=f"{threat.threat}: {view.verdict_word(threat.verdict)}")
     return picture

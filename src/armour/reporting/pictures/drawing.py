@@ -14,8 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import offset_copy
 
 from armour.errors import mistake
-from armour.reporting.table import in_words, percent, printable_lines, wrapped
-from armour.scenario.inputs import VELOCITY
+from armour.reporting.table import in_words, printable_lines, wrapped
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
@@ -200,19 +199,10 @@ def look_of(index: int) -> dict[str, Any]:
 
 
 def points(axes: Axes, x: Any, y: Any, *, filled: bool = True, **look: Any) -> None:
-    """Draw separate points.
-
-    Marks are not clipped at the edge of the panel, so points beyond fixed limits of an axis are left out.
-    """
-    x, y = np.array(x, float), np.array(y, float)
-    for values, (low, high), free in (
-        (x, sorted(axes.get_xlim()), axes.get_autoscalex_on()),
-        (y, sorted(axes.get_ylim()), axes.get_autoscaley_on()),
-    ):
-        values[[] if free else (values < low) | (values > high)] = np.nan
-    if np.isfinite(x + y).any():
-        style: Any = {"marker": "o", "linestyle": "none", "clip_on": False, "zorder": 4, "markeredgewidth": 0.6}
-        style |= {"markeredgecolor": INK} if filled else {"markerfacecolor": "none", "markeredgewidth": 1.0}
+    """Draw separate points, whose marks are not clipped at the edge of the panel."""
+    style: Any = {"marker": "o", "linestyle": "none", "clip_on": False, "zorder": 4, "markeredgewidth": 0.6}
+    style |= {"markeredgecolor": INK} if filled else {"markerfacecolor": "none", "markeredgewidth": 1.0}
+    if len(x):
         axes.plot(x, y, **style | look)
 
 
@@ -233,9 +223,8 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
 
 
 def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
-    """Draw a vertical line at a velocity, m/s, if it is within the panel; with a name, it is in the legend."""
-    low, high = axes.get_xlim()
-    if velocity is not None and low <= velocity <= high:
+    """Draw a vertical line at a velocity, m/s, unless it is None; with a name, it is in the legend."""
+    if velocity is not None:
         label = f"{name} {velocity:.1f} m/s" if name else ""
         axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
 
@@ -269,12 +258,6 @@ def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
     axes.figure.colorbar(mesh, ax=axes, label=heading)
 
 
-def residual_axes(axes: Axes, limits: tuple[float, float]) -> None:
-    """Label the axes of residual velocity over impact velocity; `limits` are those of the x axis, m/s."""
-    axes.set(xlabel=in_words(VELOCITY), ylabel=in_words("residual_velocity_m_s"), xlim=limits)
-    axes.set_ylim(bottom=0.0)
-
-
 def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
     """Return the height of a panel with a row for each name, inches."""
     lines = max((len(wrapped(name, 22)) for name in names), default=1)
@@ -284,11 +267,16 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
 def rows(
     axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
 ) -> None:
-    """Draw series of values as marks, with a row for each name; `start`, if given, is the x from which stems begin.
+    """Draw series of values as marks, with a row for each name, the first on top.
 
+    Stems begin at the x `start`, if it is given.
     `values` has the series by label, each with a value for every name, None to leave it out.
     """
-    name_rows(axes, names)
+    axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0.0)
+    axes.margins(x=0.08)
     if start is not None:
         axes.axvline(start, **RULE)
     for index, (label, series) in enumerate(values.items()):
@@ -299,15 +287,6 @@ def rows(
         points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
 
 
-def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Label the rows of a panel, the first on top."""
-    axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
-    axes.set_ylim(len(names) - 0.5, -0.5)
-    axes.grid(visible=False, axis="y")
-    axes.tick_params(axis="y", length=0.0)
-    axes.margins(x=0.08)
-
-
 class Compared(NamedTuple):
     """An expected and a computed value; `deviation` is the standard deviation of the first, 0 if none is known."""
 
@@ -316,18 +295,15 @@ class Compared(NamedTuple):
     deviation: float = 0.0
 
 
-def agreement(
-    axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
-) -> None:
-    """Draw computed over expected values of a quantity, with the line of agreement.
+def agreement(axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]]) -> None:
+    """Draw computed over expected values of a quantity, with lines of agreement and of deviations of ± 10 %.
 
-    `word` names the expected values on the axis, and `groups` has the values by label.  With `part`, lines show
-    deviations of plus and minus that fraction.
+    `word` names the expected values on the axis, and `groups` has the values by label.
     """
     heading, pairs = in_words(quantity), [pair for group in groups.values() for pair in group]
     low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
     # If the values are close together, widen the axes to show the lines on both sides.
-    margin = part * high if high - low < part * high else 0.0
+    margin = 0.1 * high if high - low < 0.1 * high else 0.0
     span = low - margin, high + margin
     axes.set(xlabel=f"{word} {heading}", ylabel=f"computed {heading}", xlim=span, ylim=span)
     axes.set_aspect("equal")
@@ -338,8 +314,7 @@ def agreement(
             ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]
             ranges(axes, computed, ends, look["color"])
         points(axes, expected, computed, filled=False, **look)
-    lines = [(1.0, "agreement", "-"), (1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
-    for factor, label, style in lines if part else lines[:1]:
+    for factor, label, style in ((1.0, "agreement", "-"), (0.9, "± 10 %", ":"), (1.1, "", ":")):
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
 
 

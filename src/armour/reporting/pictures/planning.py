@@ -17,8 +17,7 @@ def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
     densities, last = picture.axes
     _draw_densities(densities, plan)
     x = plan.curve.velocity_m_s
-    last.set(xlabel=in_words(VELOCITY), xlim=(x[0], x[-1]))
-    last.set(ylabel="part of shots that perforate", ylim=(-0.05, 1.05))
+    last.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate", ylim=(-0.05, 1.05))
     label = "by the posterior" if plan.fired.complete else "by the prior"
     last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
     draw_shots(last, plan.fired)
@@ -33,7 +32,7 @@ def _draw_densities(axes: Axes, plan: ShotPlan) -> None:
     axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
     if plan.fired.complete:
         axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
-    axes.set(ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
+    axes.set_ylabel("probability density of V50, s/m")
     _draw_velocities(axes, plan, named=True)
     axes.set_ylim(bottom=0.0)
 

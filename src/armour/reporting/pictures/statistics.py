@@ -19,8 +19,6 @@ PENETRATIONS = (
     ("stopped", False, drawing.GREEN, "o"),
     ("perforated", True, drawing.VERMILION, "^"),
 )
-# The velocity axis shows the curve from this probability to 1 minus it.
-SHOWN_PROBABILITY = 0.002
 # What is drawn where the probability is not known.
 ALONE = "stopped, with the model taken as exact"
 
@@ -48,20 +46,15 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
         colour = drawing.SOFT if name in quantiles else drawing.INK
         axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
-    interval, stopped = [[p.high - p.value], [p.value - p.low]], 1.0 - p.value
-    axes.errorbar([velocity], [stopped], interval, fmt="none", ecolor=drawing.VERMILION, capsize=drawing.CAP)
+    stopped = 1.0 - p.value
     drawing.points(axes, [velocity], [stopped], color=drawing.VERMILION, label=f"{stopped:.3f} at {velocity:g} m/s")
     if names:
         low, high = zip(*(each.limits_m_s for each in result.inputs), strict=True)
         swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
-    falling = (stops > SHOWN_PROBABILITY) & (stops < 1.0 - SHOWN_PROBABILITY)
-    uncertain = np.array(curve.velocity_m_s)[falling].tolist()
     changed = [limit for each in result.inputs for limit in each.limits_m_s]
-    picture.axes[-1].set(
-        xlabel="velocity, m/s", xlim=drawing.widened([velocity, *limits.values(), *uncertain, *changed])
-    )
+    picture.axes[-1].set(xlabel="velocity, m/s", xlim=drawing.widened([velocity, *limits.values(), *changed], 0.2))
     return picture
 
 
@@ -117,9 +110,9 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
     fit, posterior, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
-    # The axis extends by half the range of the shots; limits beyond it are left out.
+    required = result.requirement_m_s
     shown = [*shots.velocities_m_s, *(() if posterior is None else posterior.v50_interval_m_s)]
-    low, high = drawing.widened(shown, 0.5)
+    low, high = drawing.widened([*shown, *(each for each in (model, required) if each is not None)], 0.3)
     level, notes = percent(result.confidence), []
     ends = fit.v50_interval_m_s
     if fit is result.recommended:
@@ -127,10 +120,6 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     if posterior is not None:
         posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
         notes.append(f"Posterior, with the model as prior: {level} interval {posterior_ends} m/s.")
-    if model is not None and not low <= model <= high:
-        notes.append(f"The limit by the model, {model:.1f} m/s, lies outside the axis.")
-    if (required := result.requirement_m_s) is not None and not low <= required <= high:
-        notes.append(f"The velocity required, {required:g} m/s, lies outside the axis: {result.decision}.")
     picture = sheet.panels(headline(result), 1.1 * drawing.PANEL, note=" ".join(notes))
     [axes] = picture.axes
     axes.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate")

@@ -12,7 +12,6 @@ from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
 from armour.reporting.views.validation import drawn_checks
-from armour.scenario.sections import TINY
 from armour.validation.figures import Figure
 from armour.validation.suite_sections import CASES
 from armour.validation.validate import SuiteResult
@@ -42,25 +41,15 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
             group or CASES: [drawing.Compared(check.case.expected, check.computed) for check in members]
             for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
-        # Lines at the relative band, if all cases have the same, and else at 10 %.
-        cases = [check.case for check in checks_of_quantity if abs(check.case.expected) > TINY]
-        bands = {round((case.band or 0.0) / abs(case.expected), 4) for case in cases}
-        [part] = bands if len(bands) == 1 else [0.0]
-        drawing.agreement(axes, quantity, "expected", groups, part or 0.1)
+        drawing.agreement(axes, quantity, "expected", groups)
     return picture
 
 
 def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a figure of the paper: curves by the model, and marks for the numbers that the text of the paper gives."""
     picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels))
-    named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
         _draw_panel(axes, figure)
-        # A series that several panels share is named in the first of them only.
-        handles, labels = axes.get_legend_handles_labels()
-        for handle, label in zip(handles, labels, strict=True):
-            handle.set_label("" if label in named else label)
-        named.update(labels)
     return picture
 
 

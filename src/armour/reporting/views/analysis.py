@@ -9,28 +9,27 @@ from armour.analysis.results import EachResult
 from armour.evidence.tests import armours_of, far_from_tests
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, in_a_line, line_of, tables_of
-from armour.reporting.table import Column, Source, Table, VerdictLine, between, rows_csv
+from armour.reporting.table import Column, Source, Table, VerdictLine, between
 from armour.validation.tested import limits_measured
 
 
 class StageWords(NamedTuple):
-    """A stage of an impact in words: the event that begins it, its name, and its description."""
+    """A stage of an impact in words: the event that begins it, and its description."""
 
     begins: str
-    name: str
     words: str
 
 
 STAGES = {
-    "i": StageWords("impact", "intact tile", "tile intact, penetrator erodes"),
-    "ii.1": StageWords("tile fragments", "fragmented tile", "tile in fragments, penetrator erodes"),
-    "ii.2": StageWords("front held", "dwell on the tile", "dwell on the tile, penetrator erodes"),
-    "ii.3": StageWords("erosion ends", "tile, rigid penetrator", "tile, penetrator rigid"),
-    "iii.1": StageWords("penetrator erodes", "plate, eroding penetrator", "plate, penetrator erodes"),
-    "iii.2": StageWords("front held", "dwell on the plate", "dwell on the plate, penetrator erodes"),
-    "iii.3": StageWords("erosion ends", "plate, rigid penetrator", "plate, penetrator rigid"),
-    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried along"),
-    "iii.5": StageWords("tile moves along", "tile carried along", "fragments carried along"),
+    "i": StageWords("impact", "tile intact, penetrator erodes"),
+    "ii.1": StageWords("tile fragments", "tile in fragments, penetrator erodes"),
+    "ii.2": StageWords("front held", "dwell on the tile, penetrator erodes"),
+    "ii.3": StageWords("erosion ends", "tile, penetrator rigid"),
+    "iii.1": StageWords("penetrator erodes", "plate, penetrator erodes"),
+    "iii.2": StageWords("front held", "dwell on the plate, penetrator erodes"),
+    "iii.3": StageWords("erosion ends", "plate, penetrator rigid"),
+    "iii.4": StageWords("plug moves along", "plate carried along"),
+    "iii.5": StageWords("tile moves along", "fragments carried along"),
 }
 
 
@@ -126,13 +125,6 @@ def stage_table(result: ImpactResult) -> Table:
     lost = Column("lost", "m/s", ".0f", key="velocity_lost_m_s"), Column("", "mm", ".1f", key="length_lost_mm")
     energy = Column("", "J", ".0f", key="energy_lost_J")
     return Table.of(result.stages, Column.of("stage"), happens, Column.of("end_us", ".1f", "until"), *lost, energy)
-
-
-def history_csv(result: ImpactResult) -> str | None:
-    """Format the history of an impact as CSV; None if it was not kept."""
-    if result.history is None:
-        return None
-    return rows_csv(result.history)
 
 
 def crossing_table(result: LimitResult) -> Table:

@@ -18,7 +18,7 @@ from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.report import Report, ReportSection, section_of
 from armour.reporting.table import Column, Source, Table, VerdictLine, beside, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, InertLayer
+from armour.scenario.schema import OBJECTIVES
 
 AREAL_DENSITY, COST = Column.of("areal_density_kg_m2"), Column.of("cost_per_m2", ".0f")
 THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
@@ -34,9 +34,6 @@ LIMIT, STOPS, VERDICT = Column("limit, m/s", prose=True), Column("stops", prose=
 MOST_NAMED = 3
 BY_MODEL = "* by the model, without tests"
 METALS = "do not compare metals of different strength: the model exaggerates it"
-# Words for the places of layers without ballistic effect, and for those without a name.
-PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
-UNNAMED = "added for adhesive or cover"
 
 
 def verdict_word(verdict: Verdict) -> str:
@@ -220,16 +217,6 @@ def needs(threat: CheckedThreat) -> str:
     return phrases.needed_flow_stress(needed, likely=threat.required_probability is not None)
 
 
-def layer_words(layers: Sequence[InertLayer]) -> list[str]:
-    """Return a phrase for each layer without ballistic effect: its name, place, thickness and areal density."""
-    words = []
-    for layer in layers:
-        amounts = ((layer.thickness_mm, "mm"), (layer.areal_density_kg_m2, "kg/m²"))
-        if said := " and ".join(f"{value:g} {unit}" for value, unit in amounts if value):
-            words.append(f"{layer.name}, {PLACES[layer.place]}: {said}" if layer.name else f"{said} {UNNAMED}")
-    return words
-
-
 @tables_of.register
 def tables_of_check(result: CheckResult) -> list[Table | str]:
     """Return the verdict on an armour and what it rests on; with `every_row` in the question, the details too."""
@@ -263,7 +250,7 @@ def next_step(result: CheckResult) -> tuple[str, str]:
 def details(result: CheckResult) -> list[Table | str]:
     """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat."""
     scenario = result.question["scenario"]
-    shown = [*layer_words(scenario.armour.layer)]
+    shown = list[Table | str]()
     if result.whole_thickness_mm != result.thickness_mm:
         whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
         shown.append(f"{whole} with the back plate, which exists")
@@ -537,7 +524,7 @@ def designs_table(designs: Sequence[Design], title: str) -> Table:
     """Tabulate designs in a row each."""
     margin = [MARGIN] * isinstance(designs[0], DesignOfFront)
     armour: Source = Column("armour", prose=True), armour_in_words
-    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, *margin, FAR
+    columns = armour, AREAL_DENSITY, THICKNESS, COST, *margin, FAR
     return Table.of(designs, *columns, title=title, rest="--csv FILE")
 
 

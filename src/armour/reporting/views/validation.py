@@ -2,20 +2,17 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import zip_longest
-from math import floor, log10
 
 from armour import __version__
-from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
 from armour.reporting.by_result import drawing_of, headline, in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number, sentence
+from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, sentence
 from armour.reporting.views.analysis import armour_words, crossings, limits_in_words, measured_here
 from armour.reporting.words import said_of
 from armour.validation.comparison import Comparison, Error
 from armour.validation.figures import Figure
-from armour.validation.suite import Case
 from armour.validation.suite_sections import CASES
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
@@ -34,23 +31,13 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
         (Column("case", prose=True), lambda check: check.case.name),
         (Column("unit"), lambda check: "" if shared else check.case.unit),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
-        # Formatted here, because the number of decimals depends on the case.
-        (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
-        (Column("deviation", shared, "g"), lambda check: _in_decimals(check.case, check.deviation, "+")),
+        (Column("computed", shared, ".6g"), lambda check: check.computed),
+        (Column("deviation", shared, "+.4g"), lambda check: check.deviation),
         Column.of("deviation_percent", "+.2f", "relative deviation"),
         (Column("band ±", shared, ".4g"), lambda check: check.case.band),
         Column.of("status"),
         title=title,
     )
-
-
-def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str | None:
-    """Format a value with one decimal more than the expected value or the band of its case, whichever has more."""
-    if value is None:
-        return None
-    value_decimals = len(number(case.expected or 0.0, ".10g").partition(".")[2])
-    band_decimals = -floor(log10(case.band)) if case.band else 0
-    return number(value, f"{sign}.{min(max(value_decimals, band_decimals) + 1, 12)}f")
 
 
 def in_numbers(check: Check) -> str:
@@ -136,15 +123,6 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
     return [check_table(failed, f"{name}: not within their bands")] if failed else []
 
 
-# Smaller deviations, in any unit, are shown as "below" this.
-SMALL_DEVIATION = 0.01
-
-
-def _magnitude(value: float, unit: str) -> str:
-    """Format the magnitude of a deviation with its unit."""
-    return f"below {SMALL_DEVIATION:g} {unit}" if 0.0 < value < SMALL_DEVIATION else f"{value:.3g} {unit}"
-
-
 def overview_table(result: SuiteResult) -> Table:
     """Tabulate how many cases of each table of a suite are within their bands, and the RMS deviation with its band."""
     whole = {summary.name: summary for summary in result.summaries if not summary.group}
@@ -157,7 +135,7 @@ def overview_table(result: SuiteResult) -> Table:
             return title, within or "not scored", "", ""
         band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
         within = within or summary.status.replace("within", "as a whole")
-        return title, within, _magnitude(summary.rms, summary.unit), band
+        return title, within, f"{summary.rms:.3g} {summary.unit}", band
 
     rows = [row_of(name, checks) for name, checks in check_groups(result).items()]
     return Table.of_rows((Column("table", prose=True), *map(Column, ("within", "RMS", "at most"))), rows)
@@ -189,7 +167,7 @@ def update_table(updates: Sequence[Check]) -> Table:
 
 def parity_table(result: SuiteResult) -> Table:
     """Tabulate the expected and computed values of all cases of a suite."""
-    columns = [*map(Column.of, ("table", "row", "quantity")), *Column.of_each(expected="g", computed="g")]
+    columns = [*map(Column.of, ("table", "row", "quantity")), Column.of("expected", "g"), Column.of("computed", "g")]
     cases = ((check.case, check.computed) for check in result.checks)
     rows = [(case.group, case.name, case.quantity, case.expected, computed) for case, computed in cases]
     return Table.of_rows(columns, rows)
@@ -269,15 +247,11 @@ def figure_table(panels: Sequence[Figure]) -> Table:
 
     Panels stand side by side; they must have equally many points.
     """
-    quantities = {quantity.label for quantity in QUANTITIES.values()}
     columns: dict[str, Sequence[float | None]] = {}
     for panel in panels:
-        y_label = panel.section.y_label
         columns[panel.section.x_label] = panel.x
         for label, values in panel.curves.items():
-            # The label of a curve may name its quantity, or what the curve differs in.
-            named = label.rpartition(", ")[2] in quantities
-            columns[f"{label}, {y_label.rpartition(', ')[2]}" if named else f"{label}: {y_label}"] = values
+            columns[f"{label}: {panel.section.y_label}"] = values
     headings = tuple(Column(label, spec="g", key=label) for label in columns)
     return Table(headings, tuple(zip(*columns.values(), strict=True)))
 
