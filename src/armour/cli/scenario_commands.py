@@ -540,18 +540,14 @@ def report(
     from armour.validation.suite import suite_files
 
     probability = either(probability, confidence)
-    required = [] if probability is None else ["--probability", str(probability)]
     changes = changes or []
     command = runner.command_line()
-    set_words = runner.set_options(runner.accepted(changes, ANSWERS["optimise"].reads))
-    optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
-    map_command = shell_line([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     runner.check_options(
         ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
-        ("--probability", is_suite and required, "must be given with a scenario, found a suite"),
+        ("--probability", is_suite and probability is not None, "must be given with a scenario, found a suite"),
         ("--by-model", is_suite and by_model, "must be given with a scenario, found a suite"),
     )
     if is_suite:
@@ -568,7 +564,7 @@ def report(
             content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
         with progress("armours") as count:
-            content = scenario_report.scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
+            content = scenario_report.scenario_report(scenario, command, count, as_is=as_is)
     if output.suffix.lower() == ".html":
         runner.drawing()
     write({output: lambda path: formats.report_text(content, path)})

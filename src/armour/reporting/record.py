@@ -64,10 +64,7 @@ def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
     """Tabulate the shots used, and which of them a mean is of."""
     if mean is None:
         return views.shot_table(shots)
-    exceeded = "" if mean.is_allowed else ", spread exceeded"
-    return views.shot_table(
-        shots, _averaged(shots, mean.pairs), f"in the mean of {mean.pairs} + {mean.pairs}{exceeded}"
-    )
+    return views.shot_table(shots, _averaged(shots, mean.pairs), f"in the mean of {mean.pairs} + {mean.pairs}")
 
 
 def _averaged(shots: Shots, pairs: int) -> set[int]:

@@ -48,12 +48,11 @@ def scenario_report(
     on_progress: OnProgress = ignore_progress,
     *,
     as_is: bool = False,
-    map_command: str = "",
 ) -> Report:
     """Compute a scenario and make the report on it.
 
     The armour reported is the best design if the scenario asks for one, unless `as_is` keeps its own armour.  `command`
-    makes the report, and `map_command`, if any, the interactive page of the designs; the report shows both.
+    makes the report, which shows it.
     """
 
     def on_part(done: int, _total: int | None) -> None:
@@ -75,7 +74,9 @@ def scenario_report(
     facts = design_view.facts(checked, armour=armour.armour_words(), also=also)
     notes = (*(checked if design is None else design).notes, *(() if limit is None else not_monotonic(limit)))
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
-    designs = [] if design is None else [_designs(design, map_command)]
+    designs = []
+    if design is not None:
+        designs.append(section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title="")))
     sections = (
         section_of("Threats", design_view.details(checked)),
         *_own_tests(answer),
@@ -127,14 +128,6 @@ def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
         if entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
             yield ReportSection("Own tests", (source,), tables=(own_test_table(tests),))
-
-
-def _designs(design: DesignResult, map_command: str) -> ReportSection:
-    """Return the section with the map of the designs, and with what only the search knows."""
-    section = section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title=""))
-    hint = ("This command makes an interactive page of all designs:",) if map_command else ()
-    paragraphs = (*section.paragraphs, *hint)
-    return replace(section, paragraphs=paragraphs, code=map_command, language="console")
 
 
 def _sources(scenario: Scenario, answer: Scenario, threat: CheckedThreat) -> Iterator[str]:

@@ -369,7 +369,6 @@ def test_the_posterior_of_a_v50_is_drawn():
     assert x_of(bar) == [found.posterior.v50_m_s]
     low, high = axes.get_xlim()
     assert low < found.posterior.v50_interval_m_s[0] < found.posterior.v50_interval_m_s[1] < high
-    assert "Posterior, with the model as prior: 95 % interval" in picture.note
 
 
 def test_an_uncertainty_without_a_known_probability_draws_what_is_given_and_calls_it_so():

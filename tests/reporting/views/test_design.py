@@ -64,14 +64,6 @@ def words_of(result: DesignResult | CheckResult, *, every_row: bool = False) -> 
     return "\n".join(text for text in tables if isinstance(text, str))
 
 
-def test_back_plates_without_a_row_are_told():
-    for given, told in (
-        ((2.0,), "no tile holds on 1 plate, 2 mm"),
-        ((2.0, 2.5), "no tile holds on 2 plates, 2 to 2.5 mm"),
-    ):
-        assert told in words_of(replace(design_result(), without_mm=given), every_row=True)
-
-
 def test_designs_on_other_plates_within_1_percent_of_the_best_are_named():
     near = [design("AD85", 10.0 - i, 6.0 + i, weight) for i, weight in enumerate((50.0, 50.4, 50.1, 50.2, 50.3, 60.0))]
     result = replace(design_result(), frontier=tuple(near), best=best_design(areal_density_kg_m2=50.0))

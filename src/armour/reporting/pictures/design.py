@@ -94,10 +94,8 @@ class _Map:
         """
         margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
         excess_m_s = self.shown_m_s - velocities_m_s - margins_m_s
-        asked, known = (
-            [1.0 - bound for bound in self.catalogue.bounds.tolist()],
-            ~np.isnan(self.grid.by_tests_m_s[..., 0]),
-        )
+        asked = [1.0 - bound for bound in self.catalogue.bounds.tolist()]
+        known = ~np.isnan(self.grid.by_tests_m_s[..., 0])
         for threat in np.flatnonzero(self.catalogue.required):
             by_tests_m_s = self.grid.by_tests_m_s[..., threat, self.grid.probabilities.index(asked[threat])]
             by_limit_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf

@@ -252,9 +252,8 @@ def contours(
 
 def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
     """Draw a quantity z, (y, x), as colours with a colour bar; they are light, so that lines and names are legible."""
-    colours = mpl.colors.ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
     axes.grid(visible=False)
-    mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap=colours, shading="nearest", rasterized=True)
+    mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap="Blues", alpha=0.5, shading="nearest", rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=heading)
 
 

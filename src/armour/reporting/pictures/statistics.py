@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import Column, grouped, in_words, interval, percent
+from armour.reporting.table import Column, between, grouped, in_words, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult
@@ -41,11 +41,9 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     axes.fill_between(curve.velocity_m_s, below, above, color=drawing.BLUE, **drawing.BAND)
     axes.plot(curve.velocity_m_s, stops, color=drawing.BLUE)
     limits = {"limit by the model": result.deterministic_m_s}
-    quantiles = {f"limit, {100 * float(key):g} % below": each for key, each in result.limit_quantiles_m_s.items()}
-    limits |= {name: each.value for name, each in quantiles.items()}
+    limits |= {f"limit, {100 * float(key):g} % below": each.value for key, each in result.limit_quantiles_m_s.items()}
     for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
-        colour = drawing.SOFT if name in quantiles else drawing.INK
-        axes.axvline(limit, linestyle=style, linewidth=1.0, color=colour, label=f"{name} {limit:.1f} m/s")
+        drawing.velocity_line(axes, limit, drawing.INK, style, name)
     stopped = 1.0 - p.value
     drawing.points(axes, [velocity], [stopped], color=drawing.VERMILION, label=f"{stopped:.3f} at {velocity:g} m/s")
     if names:
@@ -109,25 +107,18 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     shots = result.question["shots"]
     if not result.fits:
         raise mistake(shots.file, "", "must have a curve to draw, and these shots have none")
-    fit, posterior, model = result.recommended or result.fits[0], result.posterior, result.model_ballistic_limit_m_s
-    required = result.requirement_m_s
-    shown = [*shots.velocities_m_s, *(() if posterior is None else posterior.v50_interval_m_s)]
-    low, high = drawing.widened([*shown, *(each for each in (model, required) if each is not None)], 0.3)
-    level, notes = percent(result.confidence), []
-    ends = fit.v50_interval_m_s
-    if fit is result.recommended:
-        notes.append(f"Band: {level} band of the curve.")
-    if posterior is not None:
-        posterior_ends = interval(posterior.v50_interval_m_s, ".1f")
-        notes.append(f"Posterior, with the model as prior: {level} interval {posterior_ends} m/s.")
-    picture = sheet.panels(headline(result), 1.1 * drawing.PANEL, note=" ".join(notes))
+    fit, posterior = result.recommended or result.fits[0], result.posterior
+    level, ends = percent(result.confidence), fit.v50_interval_m_s
+    shown = [*shots.velocities_m_s, *(posterior.v50_interval_m_s if posterior else ())]
+    shown += [each for each in (result.model_ballistic_limit_m_s, result.requirement_m_s) if each is not None]
+    low, high = drawing.widened(shown, 0.3)
+    picture = sheet.panels(headline(result), 1.1 * drawing.PANEL)
     [axes] = picture.axes
-    axes.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate")
-    axes.set(xlim=(low, high), ylim=(-0.02, 1.02))
+    axes.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate", xlim=(low, high), ylim=(-0.02, 1.02))
     x = np.linspace(low, high, 400).tolist()
     if fit is result.recommended:
         band = np.array([row["probability_interval"] for row in result.band(x)])
-        axes.fill_between(x, band[:, 0], band[:, 1], color=drawing.BLUE, **drawing.BAND)
+        axes.fill_between(x, band[:, 0], band[:, 1], color=drawing.BLUE, label=f"{level} band", **drawing.BAND)
     draw_shots(axes, shots)
     axes.plot(x, [fit.probability(v) for v in x], color=drawing.BLUE, label=f"{fit.curve}, {fit.method}")
     if low <= fit.v50_m_s <= high:
@@ -136,14 +127,15 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
             drawing.ranges(axes, [0.5], [(start, end)], drawing.BLUE)
         drawing.points(axes, [fit.v50_m_s], [0.5], color=drawing.BLUE)
     if posterior is not None:
-        name = f"posterior, V50 {posterior.v50_m_s:.1f} m/s"
+        words = between(result.confidence, posterior.v50_interval_m_s, ".1f")
+        name = f"posterior, V50 {posterior.v50_m_s:.1f} m/s ({words})"
         drawing.ranges(axes, [POSTERIOR], [posterior.v50_interval_m_s], drawing.PURPLE)
         drawing.points(axes, [posterior.v50_m_s], [POSTERIOR], marker="D", color=drawing.PURPLE, label=name)
     if result.mean is not None:
         drawing.velocity_line(axes, result.mean.v50_m_s, drawing.SOFT, "-", MEANS[result.mean.rule])
     name = f"{result.decision}: {velocity_name(result.requirement_fraction)} required"
-    drawing.velocity_line(axes, required, drawing.VERMILION, "--", name)
-    drawing.velocity_line(axes, model, drawing.INK, ":", "limit by the model")
+    drawing.velocity_line(axes, result.requirement_m_s, drawing.VERMILION, "--", name)
+    drawing.velocity_line(axes, result.model_ballistic_limit_m_s, drawing.INK, ":", "limit by the model")
     return picture
 
 

@@ -479,12 +479,8 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
     if len(result.pairs) > 1:
         shown += pair_table(result)
     if _every_row(result):
-        plates = result.without_mm
         if result.frontier:
             shown.append(designs_table(result.frontier, "thinnest tile that holds on each plate"))
-        if plates:
-            ends = " to ".join(dict.fromkeys(f"{mm:g}" for mm in (plates[0], plates[-1])))
-            shown.append(f"no tile holds on {counted(len(plates), 'plate')}, {ends} mm")
         shown += [designs_table(result.pareto, "Pareto front")] if result.pareto else []
         shown.append(f"{counted(result.designs, 'design')} computed")
     return shown

@@ -3,7 +3,7 @@
 from armour.planning.firing import ShotPlan
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.table import Column, Table, VerdictLine, between, percent
-from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, shot_table
+from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, shot_table, velocity_name
 from armour.reporting.words import chance, model_error_words, rounded_down
 
 DECISION = (
@@ -48,9 +48,8 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
     if plan.mean is not None:
         facts["mean"] = f"{plan.mean.v50_m_s:.0f} m/s (MIL-STD-662F)"
     if plan.requirement_m_s is not None and plan.probability_met is not None:
-        fraction = plan.requirement_fraction
-        speed = "V50" if fraction == 0.5 else f"the velocity at which {percent(fraction)} perforate"
-        required = f"{speed} of at least {plan.requirement_m_s:g} m/s: met with {chance(plan.probability_met)}"
+        required = f"{velocity_name(plan.requirement_fraction)} of at least {plan.requirement_m_s:g} m/s"
+        required += f": met with {chance(plan.probability_met)}"
         facts["required"] = required + " before any shot" * (not count)
     if count and plan.consumers_risk is not None:
         ratios = [_ratio(each, plan.consumers_risk) for each in (plan.evidence_met, plan.evidence_not_met)]

@@ -48,10 +48,8 @@ def influence_table(result: UncertaintyResult) -> Table:
 @line_of.register
 def uncertainty_in_a_line(result: UncertaintyResult) -> str:
     """Return the probability of stopping a shot, or what the given distributions alone say."""
-    scenario, p = (
-        result.question.get("scenario"),
-        result.probability_of_perforation or result.perforated_by_distributions,
-    )
+    scenario = result.question.get("scenario")
+    p = result.probability_of_perforation or result.perforated_by_distributions
     assert p is not None
     value, low, high = sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low))
     if result.probability_of_perforation is None:
@@ -116,10 +114,8 @@ def sensitivity_in_a_line(result: SensitivityResult) -> str:
 @tables_of.register
 def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     """Return the inputs on which the first answer depends most; with `every_row`, all inputs and answers."""
-    answers, line = (
-        [name for name, value in result.answers.items() if value is not None],
-        VerdictLine(in_a_line(result)),
-    )
+    answers = [name for name, value in result.answers.items() if value is not None]
+    line = VerdictLine(in_a_line(result))
     if result.question.get("every_row"):
         values = {
             Column.of(name).label: "none" if value is None else f"{value:.0f} m/s by the model"
