@@ -204,7 +204,8 @@ def test_layers_without_ballistic_effect_are_drawn_in_their_places():
     rest = {"thickness_mm": 0.5, "areal_density_kg_m2": 0.6}
     layers = [{"name": name, "place": place, **rest} for name, place in names.items()]
     of = scenario().replaced({"armour.layer": layers})
-    content = html_report(scenario_report(of, "")).replace(NO_BREAK, " ")
+    report = Report("T", "v", (ReportSection("S"),), cross_section=of)
+    content = html_report(report).replace(NO_BREAK, " ")
     _, *caption = re.findall(r"</i>([\d.]+ mm [^<]*)</span>", content)
     assert caption == ["0.5 mm cover", "0.5 mm foil", "6.35 mm AD85", "0.5 mm glue", "6.35 mm 6061-T6", "0.5 mm liner"]
     drawn = [float(width) for width in re.findall(r'y="0" width="([\d.]+)" height="[\d.]+" fill="var', content)]

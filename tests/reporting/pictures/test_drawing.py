@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import Bbox
 
-from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.reporting.by_result import drawing_of
 from armour.reporting.pictures.drawing import (
@@ -32,7 +31,7 @@ from armour.reporting.pictures.drawing import (
 from armour.reporting.show import plot
 from armour.sweeps.sweep import sweep
 from tests.analysis.results import impact
-from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.cases import scenario
 from tests.statistics.results import uncertainty_result
 
 pytestmark = pytest.mark.slow
@@ -59,7 +58,6 @@ def a_map(sheet: Sheet) -> Picture:
 
 DRAWINGS: dict[str, Callable[[], Callable[[Sheet], Picture]]] = {
     "impact": lambda: drawing_of(impact().of(scenario=scenario())),
-    "design": lambda: drawing_of(optimise(shipped_scenario("catalogue"))),
     "uncertainty": lambda: drawing_of(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: a_map,
     "rows": lambda: named_rows,

@@ -346,10 +346,10 @@ def test_a_v50():
     assert [item for item in axes.collections if isinstance(item, PolyCollection)]
     assert found.recommended is not None
     assert axes.containers == []
-    lower = picture_of(v50(SHOTS, scenario(), confidence=0.8))
-    [bars] = lower.axes[0].containers
+    lower = fired(confidence=0.8, recommended=v50(SHOTS, confidence=0.8).recommended)
+    [bars] = picture_of(lower).axes[0].containers
     ends = bars.lines[2][0].get_segments()[0][:, 0].tolist()  # type: ignore[attr-defined]
-    assert ends == pytest.approx(found.bounded_interval_m_s)
+    assert ends == pytest.approx(known(lower.recommended).v50_interval_m_s)
 
 
 def test_the_axis_of_a_v50_has_the_requirement_and_the_limit_by_the_model():
