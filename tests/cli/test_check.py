@@ -252,7 +252,7 @@ def test_markdown_for_a_summary(cli, doors: Path):
     cli("check", "doors", "--against", "base.json", "--markdown", "check.md")
     text = (doors.parent / "check.md").read_text()
     assert text.startswith("# Check of armour\n\n2 armours: 1 expected to stop, 1 FAILS\n")
-    assert "| doors/b.toml | 7.62 mm AP at 800 m/s | FAILS |" in text
+    assert "| doors/b.toml | 7.62 mm AP | FAILS |" in text
     assert "## Since the earlier check" in text
     assert "weaker than in base.json" in text
 

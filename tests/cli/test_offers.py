@@ -32,7 +32,7 @@ def test_an_offer_is_a_line(cli):
     assert [line.split()[0] for line in lines] == ["A", "B", "B", "*"]
     assert "10 mm AD85 on 8 mm 6061-T6" in lines[1]
     assert [line.split()[-1] for line in lines[:3]] == ["known", "passes", "FAILS"]
-    assert "1237*  not known  not known" in lines[0]
+    assert lines[0].split()[-5:] == ["1237*", "not", "known", "not", "known"]
     [read] = result.stderr.splitlines()
     assert read.startswith("read offers.csv: semicolons, ")
     assert read.endswith(", 3 offers, several offers named B")
@@ -56,7 +56,7 @@ def test_every_output_has_the_labels(cli, folder: Path):
     assert [suite.get("name") for suite in suites] == ["wilkins: A", "wilkins: B", "wilkins: B"]
     assert "offer: A\nlead time: 6 weeks" in (suites[0].findtext("testcase/system-out") or "")
     assert "| offer | lead time | threat | verdict | why |" in (folder / "out.md").read_text()
-    assert "| B | 3 weeks | 7.62 mm AP at 800 m/s | passes |" in (folder / "out.md").read_text()
+    assert "| B | 3 weeks | 7.62 mm AP | passes |" in (folder / "out.md").read_text()
 
 
 def test_mistakes_of_every_offer_are_told(cli, folder: Path):

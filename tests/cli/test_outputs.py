@@ -106,7 +106,6 @@ def test_a_file_on_standard_input_is_not_written_over(own: Path):
 WRITING = [
     "simulate own.toml --history {0} --plot {1}",
     "ballistic-limit own.toml --plot {1}",
-    "compare own.toml --plot {1}",
     "optimise own.toml --csv {0} --plot {1}",
     "sensitivity own.toml --plot {1}",
     "uncertainty own.toml --plot {1}",

@@ -45,7 +45,6 @@ def simulate(
     armour simulate wilkins --velocity 700 --history run.csv --plot run.svg
     """
     from armour.evidence.tests import scenario_warnings
-    from armour.reporting.views.analysis import history_csv
 
     changes = runner.with_change(changes, VELOCITY, velocity)
     loaded = read_scenario(scenario, changes, ANSWERS["simulate"])
@@ -59,7 +58,7 @@ def simulate(
     notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
     extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    files: Files = {history: lambda _: history_csv(result)}
+    files: Files = {history: lambda _: rows_csv(result.history or ())}
     answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
@@ -87,8 +86,6 @@ def ballistic_limit(
 
 def compare(
     scenario: Path = options.SCENARIO,
-    plot: Path | None = options.PLOT,
-    force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
     verbose: bool = options.VERBOSE,
     as_json: bool = options.AS_JSON,
@@ -100,10 +97,9 @@ def compare(
     armour compare wilkins
     """
     loaded = read_scenario(scenario, changes, ANSWERS["compare"])
-    check_outputs((plot, PICTURE), inputs=[loaded], force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, as_json=as_json, verbose=verbose)
 
 
 def check(
@@ -478,8 +474,7 @@ def report(
     from armour.reporting.views.validation import suite_report
     from armour.validation.suite import suite_files
 
-    command, typed = runner.command_line(), _typed("optimise", changes or (), probability, by_model=by_model)
-    map_command = shell_line(["armour", "optimise", runner.source_word(source), *typed, "--map", "map.html"])
+    command = runner.command_line()
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
@@ -496,5 +491,5 @@ def report(
         scenario = read_scenario(source, changes, asked, probability, by_model=by_model)
         check_outputs((output, REPORT_ENDINGS), inputs=[scenario], force=force)
         with progress("armours") as count:
-            content = scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
+            content = scenario_report(scenario, command, count, as_is=as_is)
     runner.write({output: lambda path: runner.page(content, path)})

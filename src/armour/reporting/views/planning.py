@@ -1,20 +1,14 @@
 """Answers on plans of shots."""
 
-from itertools import zip_longest
-
 from armour.planning.firing import ShotPlan
 from armour.reporting.by_result import in_a_line, line_of, tables_of
-from armour.reporting.table import Column, Table, VerdictLine, between, interval, percent
-from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, share_note
+from armour.reporting.table import Column, Table, VerdictLine, between, percent
+from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, shot_table, velocity_name
 from armour.reporting.words import chance, model_error_words, rounded_down
 
 DECISION = (
     "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
     "part; armour v50 decides on shots whose number was fixed beforehand, with approximate risks"
-)
-ONE_SIDE = (
-    "all shots lie on one side of the required velocity, which says little as long as the scatter may be large; the "
-    "next velocity is chosen to say more"
 )
 
 
@@ -53,9 +47,8 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
     if plan.mean is not None:
         facts["mean"] = f"{plan.mean.v50_m_s:.0f} m/s (MIL-STD-662F)"
     if plan.requirement_m_s is not None and plan.probability_met is not None:
-        fraction = plan.requirement_fraction
-        speed = "V50" if fraction == 0.5 else f"the velocity at which {percent(fraction)} perforate"
-        required = f"{speed} of at least {plan.requirement_m_s:g} m/s: met with {chance(plan.probability_met)}"
+        required = f"{velocity_name(plan.requirement_fraction)} of at least {plan.requirement_m_s:g} m/s"
+        required += f": met with {chance(plan.probability_met)}"
         facts["required"] = required + " before any shot" * (not count)
     if count and plan.consumers_risk is not None:
         ratios = [_ratio(each, plan.consumers_risk) for each in (plan.evidence_met, plan.evidence_not_met)]
@@ -68,23 +61,12 @@ def _details(plan: ShotPlan) -> list[Table | str]:
     shown: list[Table | str] = [f"reason: {plan.reason}"] if plan.reason else []
     if plan.consumers_risk is not None:
         shown.append(DECISION)
-        shots = plan.fired.velocities_m_s
-        if shots and not plan.stopped and not min(shots) <= (plan.requirement_m_s or 0.0) <= max(shots):
-            shown.append(ONE_SIDE)
-    settings = {
-        "procedure": plan.procedure,
-        "half width": "" if plan.half_width_m_s is None else f"{plan.half_width_m_s:g} m/s, at which the firing ends",
-        "limits of V50": "" if plan.limits_m_s is None else f"{interval(plan.limits_m_s, '.0f')} m/s",
-    }
-    shown.append(Table.of_facts(settings))
     shown += [operating_table(plan)] if plan.operating_characteristic else []
     if plan.fired.complete:
         shown.append(prior_table(plan.prior, plan.posterior, plan.confidence))
     shown += [] if plan.model_error is None else [model_error_words(plan.model_error)]
     shown.append(SCATTER_ASSUMED)
-    if plan.fired.complete and not plan.contradicts_prior:
-        shown.append(share_note(plan.prior_share))
-    return [*shown, _shot_table(plan)] if plan.fired.complete else shown
+    return [*shown, shot_table(plan.fired)] if plan.fired.complete else shown
 
 
 def _ratio(ratio: float | None, risk: float) -> str:
@@ -111,14 +93,3 @@ def operating_table(plan: ShotPlan) -> Table:
         (Column("median of shots"), lambda point: _number_of_shots(point.shots)),
         title=f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s",
     )
-
-
-def _shot_table(plan: ShotPlan) -> Table:
-    """Tabulate the shots in the order fired."""
-    fired = plan.fired
-    kinds = ["perforated" if complete else "stopped" for complete in fired.complete]
-    rows = zip_longest(fired.names, fired.velocities_m_s, kinds, fillvalue="")
-    shots = tuple((name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1))
-    decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
-    columns = Column("shot"), Column("velocity", "m/s", f".{max(decimals, 1)}f"), Column("result")
-    return Table(columns, shots)
