@@ -128,7 +128,7 @@ def evaluate_groups(
     }
     warnings: Counter[str] = Counter()
     for answer in answers:
-        warnings.update(dict(answer.variants.outside_limits(velocities="impact" in reads_of(quantities))))
+        warnings.update(dict(answer.variants.caveats()))
         warnings.update(answer.changes(quantities))
         if "uncertainty.model" in reads_of(computed) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)

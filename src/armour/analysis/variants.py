@@ -15,7 +15,7 @@ from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
-from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
+from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, materials_of
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
@@ -67,7 +67,7 @@ class Variants(_Rows):
         solver = self.scenario.solver
         return RunSettings(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps)
 
-    @property
+    @cached_property
     def errors(self) -> ErrorRows:
         """Model errors of the rows; not known where time step and tolerance move the limit too far."""
         errors = errors_of(self.scenario, self.armours)
@@ -163,13 +163,8 @@ class Variants(_Rows):
         moves = f"moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s"
         return f"{' and '.join(settings)} {moves}"
 
-    def limit_distributions(self, limits: Floats) -> Mixture:
-        """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
-        errors = self.errors
-        return errors.ratio.times(self.limits_by_law(errors, limits))
-
     def shot_distributions(self, limits: Floats) -> Mixture:
-        """Return the distributions of the velocities below which n armours stop a shot; argument as above.
+        """Return the distributions of the velocities below which n armours stop a shot, given limits by the model, m/s.
 
         They give higher probabilities than those that are stated, `ErrorRows.greatest`.
         """
@@ -183,17 +178,11 @@ class Variants(_Rows):
         """
         return self.shot_distributions(limits).medians()
 
-    def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
-
-        `velocities` tells whether impact velocities outside the tests count.
-        """
-        speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
+    def caveats(self) -> Iterator[tuple[str, int]]:
+        """Yield the caveats about the rows and doubtful strengths of their metals, each with its number of rows."""
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
-        for note, rows in limits_of_model(self.armours, metals, said=False):
+        for note, rows in limits_of_model(self.armours, metals):
             yield str(note), int(np.count_nonzero(rows))
-        for limit in limits_outside(self.armours, speeds):
-            yield f"{limit.key}: {limit.words}", len(limit.rows)
         armour = batch.fields(self.parameters)
         for bare in (False, True):
             if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):

@@ -187,10 +187,6 @@ class CheckResult(TableResult):
     whole_thickness_mm: float = 0.0
     basis: dict[str, str] = field(default_factory=dict, hash=False)
 
-    def all_requirements(self) -> tuple[Requirement, ...]:
-        """Return the requirements against each threat, and then those whatever the threat."""
-        return (*(row for threat in self.threats for row in threat.requirements), *self.requirements)
-
     def _columns(self) -> dict[str, list[object]]:
         """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
         rows: list[dict[str, object]] = []
@@ -236,6 +232,11 @@ def _row(result: CheckResult) -> dict[str, object]:
     }
     labels: dict[str, str] = result.question.get("labels", {})
     return {**{name + " (offer)" * (name in row): label for name, label in labels.items()}, **row}
+
+
+def shown_limit(by_model_m_s: float | None, expected_m_s: float | None) -> float | None:
+    """Return the limit that answers show: the expected one or, where no tests tell, that by the model, m/s."""
+    return by_model_m_s if expected_m_s is None else expected_m_s
 
 
 def _rank(threat: CheckedThreat) -> tuple[int, float]:
@@ -438,7 +439,7 @@ def _checked(
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
     if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
-    shown = limit if expected_limit is None else expected_limit
+    shown = shown_limit(limit, expected_limit)
     if needed and probability is None:
         flow_stress = needed_flow_stress(against, threat.required_m_s, required)
     return CheckedThreat(
@@ -462,7 +463,7 @@ def _checked(
         what_ifs=tuple(what_ifs),
         requirements=requirements,
         sampled=sampled and sampled.at_least(1.0 - greatest),
-        far_from_tests=far_from_tests(against, row.armours),
+        far_from_tests=tuple(map(str, far_from_tests(against, row.armours))),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )

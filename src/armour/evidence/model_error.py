@@ -25,7 +25,7 @@ from armour.evidence.tests import (
 )
 from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
-from armour.scenario.library import PAGE, SCATTER_KEYS
+from armour.scenario.library import SCATTER_KEYS
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Model, Solver
 
@@ -43,11 +43,9 @@ LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
 # Key of the solver that changes the accuracy of the numbers only.
 NUMERICAL = "time_step_us"
-NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
-REMEDY = "own tests (armour calibrate) can give it"
 BARE = "uncertainty.model gives an error without both its source and degrees_of_freedom"
 
 
@@ -288,7 +286,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     laws = [
         law
-        for evidence, rows in armours.by_evidence()
+        for evidence, rows in armours.by_evidence
         for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
     ]
     errors = ErrorRows.unknown(count, 1 + max((law.number for law in laws), default=0))
@@ -369,7 +367,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
     shots: Any = dict(zip(SCATTER_KEYS, scatter_of(scenario, materials, bare=is_bare), strict=True))
     if (error := given_error(scenario)) is not None:
         return ModelError.of_ratio(ratio, error.source, **shots)
-    [(evidence, _)] = armour.by_evidence()
+    [(evidence, _)] = armour.by_evidence
     oblique = evidence.fails_angle(armour.cosines).all()
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
     title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
@@ -415,26 +413,23 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
-    """Return why the model error is not known for a single armour, and what can provide it."""
+    """Return why the model error is not known for a single armour."""
     if reason := _why_by_settings(scenario):
         return reason
     if is_no_metal(np.min(armour.parameters.rho_B)):
         return "the back plate may be no metal"
     if scenario.interlayers:
         return INTERLAYER
-    [(evidence, _)] = armour.by_evidence()
+    [(evidence, _)] = armour.by_evidence
     if evidence.lot and not evidence.fits:
         return f"of {evidence.lot}, {evidence.source}"
-    q, reason, ceramic = armour.quantities(), NO_TEST, armour.materials[armour.material_of_row[0]].ceramic
-    if evidence.ceramic and ceramic is not None and is_untested(ceramic):
-        reason = f"no test of {ceramic.name} on metal is known"
+    q, ceramic = armour.quantities(), armour.materials[armour.material_of_row[0]].ceramic
     if evidence.holds(q).all():
-        reason = f"the model was compared with {evidence.angles()}"
-    elif not evidence.differences(q).any() and evidence.fits:
-        far = ", ".join(outside(evidence.measured, q))
-        strengths = [tested for tested in evidence.measured if tested.name == "rod_strength_GPa"]
-        page = f" (see {PAGE})" * any(tested.fails(q).all() for tested in strengths)
-        reason = f"the armour is too far from the tests, which are of {far}{page}"
-    elif evidence.lot:
-        reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
-    return f"{reason}; {REMEDY}"
+        return f"the model was compared with {evidence.angles()}"
+    if not evidence.differences(q).any():
+        return "the armour is too far from the tests"
+    if evidence.lot:
+        return f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
+    if evidence.ceramic and ceramic is not None and is_untested(ceramic):
+        return f"no test of {ceramic.name} on metal is known"
+    return "no test of such an armour is known"

@@ -365,7 +365,7 @@ def fit_by_law(
             *map(Note, _bad_fit(fit)),
             *([Note(ASSUMED)] if too_few else []),
             *[Note(ONE_SIDED)] * (len({m.side for m in tests.measurements}) == 1 and bool(tests.measurements[0].side)),
-            *map(Note, _outside_limits(tests)),
+            *map(Note, _caveats(tests)),
             *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )
@@ -492,11 +492,11 @@ def _in_feet(tests: Tests) -> Iterator[str]:
         yield note
 
 
-def _outside_limits(tests: Tests) -> Iterator[str]:
-    """Return warnings of tests that are unlike those the model was compared with, each with the number of tests."""
+def _caveats(tests: Tests) -> Iterator[str]:
+    """Return the caveats of the model about the armours of tests, each with the number of tests."""
     counts: Counter[str] = Counter()
     for group in tests.groups:
-        counts.update(dict(group.variants().outside_limits(velocities=False)))
+        counts.update(dict(group.variants().caveats()))
     return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
 
 

@@ -121,7 +121,7 @@ def unused(tests: Tests, role: str) -> list[str]:
     leave_out(abs(moved_m_s(variants)) > MOST_MOVED_M_S, "settings of the scenario move its limit")
     evidence = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
     if role == "backing":
-        held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence()]
+        held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence]
         evidence, holds = max(held, key=lambda pair: (pair[1] & (reasons[shots] == "")).sum())
         leave_out(~holds, "no shipped test is of such a plate and penetrator")
     longest_path = (1.0 + 1e-6) / cosine_of(evidence.obliquity_max_deg)
@@ -263,7 +263,7 @@ def _limits(variants: Variants, role: str, values: Mapping[str, float]) -> Float
 
 def _laws_of_plates(variants: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
     """Return the limits of bare plates by the strengths of their entry, for each fit to shipped tests of such."""
-    [(evidence, _)] = variants.armours.by_evidence()
+    [(evidence, _)] = variants.armours.by_evidence
     values = {key: float(f"{entry[key]:.7g}") for key in FITTED_KEYS["backing"]}
     computed = _rounded(_limits(variants, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.design.catalogue import Catalogue, catalogue_of
-from armour.design.check import CheckResult, deciding
+from armour.design.check import CheckResult, deciding, shown_limit
 from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
 from armour.design.optimise import Design, DesignResult, armour_in_words
 from armour.design.requirements import EVEN
@@ -262,9 +262,7 @@ def _pairs_panel(result: DesignResult) -> _Panel:
 
     def draw_pairs(axes: Axes) -> None:
         drawing.name_rows(axes, names)
-        looks = [
-            (each.model_error is None, any(threat.far_from_tests for threat in each.check.threats)) for each in shown
-        ]
+        looks = [(deciding(each.check).model_error is None, bool(each.far_from_tests)) for each in shown]
         for look in dict.fromkeys(looks):
             places = [place for place, each in enumerate(looks) if each == look]
             values = [getattr(shown[place], result.minimised) for place in places]
@@ -335,10 +333,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
         last = axes is picture.axes[-1]
         drawing.name_rows(axes, changes)
         places = range(len(changes))
-        shown = [
-            row.ballistic_limit_m_s if row.expected_limit_m_s is None else row.expected_limit_m_s for row in what_ifs
-        ]
-        limits = np.array(shown, float)
+        limits = np.array([shown_limit(row.ballistic_limit_m_s, row.expected_limit_m_s) for row in what_ifs], float)
         # An unknown interval is drawn as the limit alone.
         ends = [row.interval_m_s or (limit, limit) for row, limit in zip(what_ifs, limits, strict=True)]
         drawing.ranges(axes, places, ends, drawing.BLUE)
