@@ -176,7 +176,7 @@ class Variants(_Rows):
 
         They are NaN where the model error is not known; `limits`, m/s, are those of the model.
         """
-        return self.shot_distributions(limits).medians()
+        return np.asarray(self.shot_distributions(limits).quantile(0.5))
 
     def caveats(self) -> Iterator[tuple[str, int]]:
         """Yield the caveats about the rows and doubtful strengths of their metals, each with its number of rows."""

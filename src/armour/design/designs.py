@@ -139,13 +139,11 @@ def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> tuple[Flo
     where the model error is not known, those by the model.
     """
     required, distributions = required_of(catalogue, rows), rows.shot_distributions(limits)
-    expected = distributions.medians()
+    expected = distributions.quantile(0.5)
     slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
     slack = np.where(required.expected_m_s > 0.0, expected - required.expected_m_s, slack)
-    bounded = np.flatnonzero(required.bounds < 1.0)
-    if len(bounded):
-        stopped_m_s = distributions.mapped(lambda array: array[:, bounded]).quantile(required.bounds[bounded])
-        slack[bounded] = np.minimum(slack[bounded], stopped_m_s - rows.velocities[bounded])
+    if (required.bounds < 1.0).any():
+        slack = np.fmin(slack, distributions.quantile(required.bounds) - rows.velocities)
     return slack, np.where(np.isnan(expected), limits, expected)
 
 

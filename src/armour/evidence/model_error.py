@@ -1,6 +1,6 @@
 """Model error of a scenario or of many of its variants: its distribution, its tests, and why it is not known."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import exp, expm1, log
@@ -12,7 +12,7 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
-from armour.evidence.fit import Fit, is_same_armour, mixture_of
+from armour.evidence.fit import is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import (
     Armours,
@@ -296,27 +296,23 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         errors.ratio.weights[:, law.rows] = 0.0
         errors.greatest[law.rows] = law.greatest
     for law in laws:
-        errors.parameters[law.number][:, law.rows] = law_of(law.armours.parameters)
+        errors.parameters[law.number][:, law.rows] = law.parameters
         arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
-        for array, values in zip(arrays, law.ratio(), strict=True):
+        for array, values in zip(arrays, law.ratio, strict=True):
             array[law.number, law.rows] = values
     return errors
 
 
 class LawOfRows(NamedTuple):
-    """A law by which ballistic limits of some of n armours are computed, and the fit of the model error by this law."""
+    """A law by which ballistic limits of some of n armours are computed, and the model error by this law."""
 
     number: int  # index among the laws of the armours; 0 is their own
     rows: Any  # indices of the armours
-    armours: Armours  # these armours, with the parameters of the law
-    fit: Fit
-    doubted: Mapping[str, tuple[float, float]]  # ranges, by quantity, beyond which the trend is uncertain
+    parameters: Floats  # of the core, by field of `LAW_FIELDS`
+    ratio: tuple[
+        Any, ...
+    ]  # weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`
     greatest: Any  # greatest probabilities of stopping that are stated for these armours
-
-    def ratio(self) -> tuple[Any, ...]:
-        """Return weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`."""
-        locations, scales, narrowed = self.fit.predicted(self.armours.quantities(), self.doubted)
-        return self.fit.weight, locations, scales, self.fit.degrees_of_freedom, narrowed
 
 
 def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: bool) -> Iterator[LawOfRows]:
@@ -347,7 +343,9 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
                 if changes and evidence.laws:
                     changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
                 of_law = by_own_law.with_law(changes)
-                yield LawOfRows(number, places[has_law], of_law, fit, doubted, greatest[has_law])
+                locations, scales, narrowed = fit.predicted(of_law.quantities(), doubted)
+                ratio = fit.weight, locations, scales, fit.degrees_of_freedom, narrowed
+                yield LawOfRows(number, places[has_law], law_of(of_law.parameters), ratio, greatest[has_law])
 
 
 def law_of(parameters: Parameters) -> Floats:

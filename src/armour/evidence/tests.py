@@ -216,6 +216,11 @@ def shipped_evidence() -> tuple[Evidence, ...]:
     return tuple(tests)
 
 
+def tests_of_tiles() -> Evidence:
+    """Return the shipped tests of armour with a ceramic, whose kind begins with the ranges of `OF_CERAMIC`."""
+    return next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+
+
 def nearest_shipped(q: Quantities) -> Any:
     """Return the index of the shipped tests that are closest to each of n armours, (n,)."""
     return np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
@@ -410,10 +415,7 @@ def is_untested(ceramic: LibraryEntry) -> bool:
     """Return whether there is no test of a ceramic on metal."""
     values = np.array([ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"]])
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
-    kinds = (evidence.kind for evidence in shipped_evidence() if evidence.ceramic and evidence.fits)
-    return ceramic.evidence is None and all(
-        is_outside((data_range for data_range in kind if data_range.name in q), q) for kind in kinds
-    )
+    return ceramic.evidence is None and bool(is_outside(tests_of_tiles().kind[:2], q))
 
 
 def lacks_sources(ceramic: LibraryEntry) -> bool:
@@ -434,12 +436,8 @@ def lacks_sources(ceramic: LibraryEntry) -> bool:
         return any(abs(q[name] - calibrated[name]) > ROUNDING * abs(calibrated[name]) for name in {*q} & {*calibrated})
     if ceramic.sources or is_untested(ceramic):
         return is_untested(ceramic)
-    tested = (
-        (*law, *(data_range for data_range in evidence.kind if data_range.name in q))
-        for evidence in shipped_evidence()
-        for law in evidence.laws
-    )
-    return all(is_outside(ranges, q) for ranges in tested)
+    tiles = tests_of_tiles()
+    return all(is_outside((tiles.kind[2], *law), q) for law in tiles.laws)
 
 
 def is_unusual(armour: Parameters) -> Any:

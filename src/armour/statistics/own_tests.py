@@ -16,7 +16,7 @@ from armour.errors import counted
 from armour.evidence.caveats import is_long_rod
 from armour.evidence.fit import law_parameters, mixture_of, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence
+from armour.evidence.tests import armours_of, is_outside, own_evidence, tests_of_tiles
 from armour.scenario import library
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
@@ -119,7 +119,7 @@ def unused(tests: Tests, role: str) -> list[str]:
     leave_out(is_bare & (role == "ceramic"), "it is of a bare plate")
     leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
     leave_out(abs(moved_m_s(variants)) > MOST_MOVED_M_S, "settings of the scenario move its limit")
-    evidence = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+    evidence = tests_of_tiles()
     if role == "backing":
         held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence]
         evidence, holds = max(held, key=lambda pair: (pair[1] & (reasons[shots] == "")).sum())
@@ -276,7 +276,7 @@ def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) 
     `measured`, m/s, (n,), which are NaN for shots.  The level is then the mean and the standard deviation of the
     logarithm of a ratio: limits by the entry's own flow stress, which is uncertain, over limits by the fitted one.
     """
-    shipped = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+    shipped = tests_of_tiles()
     has_tests = (
         entry.origin == shipped.ceramic and not is_outside(shipped.kind[:2], variants.armours.quantities()).any()
     )
