@@ -8,14 +8,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import (
-    NeededFlowStress,
-    confidence_in,
-    limit_and_error,
-    needed_flow_stress,
-    probability_by_tests,
-    probability_of_stopping,
-)
+from armour.analysis.ballistic_limit import NeededFlowStress, confidence_in, needed_flow_stress, probability_by_tests
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.quantities import VERDICT
@@ -428,14 +421,10 @@ def _checked(
     verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
-        changed, changed_limit, changed_error = against.replaced(values), limit, error
-        if VELOCITY not in values:  # the limit does not depend on the velocity
-            changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
-        interval = expected = None
-        if changed_limit is not None and changed_error is not None:
-            interval, expected = changed_error.interval(changed_limit), changed_error.median(changed_limit)
-        chance = probability_of_stopping(changed, changed_limit, changed_error)
-        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, expected, interval, chance))
+        changed = against.replaced(values)
+        found = confidence_in(row_of(changed), on_progress)
+        limits = found.ballistic_limit_m_s, found.expected_limit_m_s, found.interval_m_s
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, found.probability_of_stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
     if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))

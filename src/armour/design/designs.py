@@ -171,9 +171,8 @@ class Designs:
     Attributes
     ----------
     columns : CandidateDesigns
-    within, offered : array of int
-        Places of the designs within the limits of the section ``design``, and of those of them on back plates that may
-        be a metal.
+    offered : array of int
+        Places of the designs within the limits of the section ``design``, on back plates that may be a metal.
     unsourced : array of bool
         Whether the ceramic of each design has neither tests nor two sources of its flow stress; such a design is never
         the best.
@@ -186,8 +185,8 @@ class Designs:
         # Many designs have the same materials, and making a scenario is slow.
         self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
         self.values = catalogue.objective(self.columns)
-        self.within = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
-        self.offered = self.within[catalogue.metal[self.columns.pair[self.within]]]
+        is_within = catalogue.violations(self.columns) <= 0.0
+        self.offered = np.flatnonzero(is_within & catalogue.metal[self.columns.pair])
         self.unsourced = catalogue.lacks_sources[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
@@ -272,17 +271,17 @@ class Designs:
         found = probability_of_perforation(scenario, bound, layers, self.points, self.runs.on_progress, quick=True)
         return verdict_of_samples(found, bound)
 
-    def first(self, where: Ints, least: int = PASSES, *, by_samples: bool = True) -> int | None:
+    def first(self, where: Ints, least: int = PASSES) -> int | None:
         """Return the first of some designs with at least the verdict `least`; None if there is none.
 
-        The lowest limits count and, unless `by_samples` is False, so do the sampled probabilities.
+        The lowest limits count, and so do the sampled probabilities.
         """
         remaining = where[self.verdicts(where) >= least]
         size = 1
         while len(remaining):
             batch, remaining, size = remaining[:size], remaining[size:], min(2 * size, FIRST_AT_A_TIME)
             for place in batch[self.passes(batch, least)].tolist():
-                if not by_samples or self.sampled(place) >= least:
+                if self.sampled(place) >= least:
                     return int(place)
         return None
 

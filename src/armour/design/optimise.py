@@ -12,11 +12,11 @@ import numpy as np
 from armour.analysis.results import OnProgress, TableResult, data_frame, ignore_progress
 from armour.analysis.variants import Ints
 from armour.design.catalogue import MARGIN_COLUMN, Catalogue, catalogue_of
-from armour.design.check import CheckResult, check_of, deciding
+from armour.design.check import CheckResult, check_of
 from armour.design.designs import FAILS, NOT_KNOWN, Designs, Runs
 from armour.design.requirements import Verdict
 from armour.design.search import best_place, nearest, pareto
-from armour.errors import Note, listed
+from armour.errors import Note
 from armour.scenario.checked import checked
 from armour.scenario.inputs import BACKING, CERAMIC, NAMES
 from armour.scenario.scenario import Scenario, Varied
@@ -193,8 +193,6 @@ class DesignResult(TableResult):
         assert shown is not None
         return shown
 
-    reported = shown
-
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
         """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
         return data_frame(self._columns(designs))
@@ -261,7 +259,7 @@ def optimise(
         backings_mm, changing = designs.columns.backing_mm[frontier], sorted(designs.changing())
         without_mm = np.setdiff1d(designs.frontier_backings(place), backings_mm).tolist()
         not_monotonic_mm = tuple(mm for mm in backings_mm.tolist() if (pair, "ceramic", mm) in changing)
-        notes += [*_untested(pairs), *_at_the_ends(catalogue, pair, shown), *_changing(catalogue, changing)]
+        notes += [*_at_the_ends(catalogue, pair, shown), *_changing(catalogue, changing)]
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=catalogue.titles,
@@ -291,18 +289,6 @@ def _of_other_pairs(shown: BestDesign, pairs: Sequence[Pair]) -> Iterator[Note]:
             if note.said in kinds and note.about and note.about not in told:
                 told.add(note.about)
                 yield Note(note.text, note.key, kinds[note.said])
-
-
-def _untested(pairs: Sequence[Pair]) -> Iterator[Note]:
-    """Warn of pairs of materials that are ranked after the others, as their model error is not known."""
-    names = [
-        f"{pair.ceramic} on {pair.backing}"
-        for pair in pairs
-        if pair.best is not None and not pair.ranked and deciding(pair.best.check).model_error is None
-    ]
-    if names:
-        remedy = "own tests (armour calibrate) can give it"
-        yield Note(f"the model error is not known for {listed(names)}, ranked after the others; {remedy}")
 
 
 def _changing(catalogue: Catalogue, changes: Sequence[tuple[int, str, float]]) -> Iterator[Note]:
@@ -401,7 +387,7 @@ def _pairs(designs: Designs, place: int, shown: BestDesign, least: int) -> tuple
             possible = designs.of_pair(index)
             found = designs.first(designs.ranked(possible[designs.values[possible] <= greatest]), least)
             if found is None:
-                found = designs.first(possible[~designs.known(possible)], NOT_KNOWN, by_samples=False)
+                found = designs.first(possible[~designs.known(possible)], NOT_KNOWN)
         is_nearest = found is None
         if found is not None:
             excess = 100.0 * (float(designs.values[found]) / least_value - 1.0) if least_value > 0.0 else None

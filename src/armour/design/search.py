@@ -46,12 +46,10 @@ def nearest(designs: Designs, where: Ints, most: int = MOST_COMPARED) -> int:
         layers = np.column_stack([columns.pair[where], columns.backing_mm[where]])
         where = where[np.unique(layers, axis=0, return_index=True)[1]]
     is_metal = catalogue.metal[columns.pair[where]]
-    short, not_known = np.zeros(len(where)), ~is_metal
-    slack = designs.slack_m_s(where[is_metal])
-    short[is_metal] = -slack.min(axis=1)
-    too_low = is_limit_too_low(designs.rows(where[is_metal]).armours.parameters).reshape(slack.shape)
-    not_known[is_metal] = (too_low | (slack >= 0.0)).all(axis=1)
-    not_known &= violations[where] <= 0.0
+    slack = designs.slack_m_s(where)
+    too_low = is_limit_too_low(designs.rows(where).armours.parameters).reshape(slack.shape)
+    short = np.where(is_metal, -slack.min(axis=1), 0.0)
+    not_known = (~is_metal | (too_low | (slack >= 0.0)).all(axis=1)) & (violations[where] <= 0.0)
     return int(where[np.lexsort((designs.values[where], short, unsourced[where], ~is_metal, ~not_known))[0]])
 
 
