@@ -8,7 +8,7 @@ import pytest
 from armour.design import catalogue as module
 from armour.design.catalogue import catalogue_of
 from armour.design.check import check
-from armour.design.optimise import DesignResult, optimise
+from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError
 from tests.design.results import best_of
@@ -17,19 +17,6 @@ from tests.helpers.known import known
 from tests.helpers.plain_designs import designs, stops
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
-
-
-def test_constraints_are_met_and_what_is_added_counts():
-    added = {"added_areal_density_kg_m2": 1.5, "added_thickness_mm": 0.5, "added_cost_per_m2": 20.0}
-    limits = {"thickness_max_mm": 16.5, "cost_max_per_m2": 1500.0}
-    best = best_of(optimise(catalogue(**added, **limits)))
-    stopping = [values for _, values in designs(catalogue(), stops)]
-    kept = [v for v in stopping if v["thickness_mm"] + 0.5 <= 16.5 and v["cost_per_m2"] + 20.0 <= 1500.0]
-    assert 0 < len(kept) < len(stopping)
-    lightest = min(kept, key=lambda values: values["areal_density_kg_m2"])
-    assert best.areal_density_kg_m2 == pytest.approx(lightest["areal_density_kg_m2"] + 1.5)
-    assert best.thickness_mm == pytest.approx(lightest["thickness_mm"] + 0.5)
-    assert best.cost_per_m2 == pytest.approx(lightest["cost_per_m2"] + 20.0)
 
 
 def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
@@ -208,28 +195,3 @@ def test_every_design_says_in_what_it_is_far_from_the_tests_as_check_does():
         [threat] = check(design.scenario).threats
         assert threat.far_from_tests == design.far_from_tests
         assert (f"{design.ceramic} (no test)" in design.far_from_tests) == design.untested
-
-
-def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_what_they_lack():
-    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}]
-    ranges: list[dict[str, Any]] = [
-        {"material": name, "thickness_mm": {"min": 4.0, "max": 9.0}} for name in ("AD85", "SiC")
-    ]
-    ceramics = [*ranges, {"material": "AD99.5", "thickness_mm": [2.0, 3.0]}]
-
-    def found(*offered: dict[str, Any], confidence: float | None = 0.6) -> DesignResult:
-        metals = [{"material": "6061-T6", "thickness_mm": [8.0]}]
-        return optimise(
-            scenario(threat=threats, design={"ceramic": offered, "backing": metals, "confidence": confidence})
-        )
-
-    first, second, third = found(*ceramics).pairs
-    assert first.best == best_of(found(ceramics[0]))
-    assert (second.ceramic, second.ranked) == ("SiC", False)
-    assert second.best is not None
-    assert second.best.check.threats[0].flow_stress is not None
-    by_limit = best_of(found(ceramics[1], confidence=None))
-    assert second.best.ceramic_thickness_mm == by_limit.ceramic_thickness_mm
-    assert third.best is None
-    assert known(third.nearest).ceramic_thickness_mm == 3.0
-    assert known(third.nearest).check.verdict == "fails"

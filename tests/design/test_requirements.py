@@ -3,7 +3,6 @@
 import re
 from typing import Any
 
-import numpy as np
 import pytest
 
 from armour import (
@@ -18,7 +17,6 @@ from armour import (
     uncertainty,
 )
 from armour.analysis.samples import probability_of_perforation
-from armour.design.catalogue import Catalogue
 from armour.design.requirements import GOOD
 from armour.scenario.effect import check_effect
 from armour.scenario.inputs import BACKING
@@ -62,15 +60,6 @@ def test_limits_of_the_design_are_held_against_an_armour():
     assert found["areal_density_kg_m2"] == (20.0, pytest.approx(40.24, abs=0.01), "fails")
     assert found["thickness_mm"] == (13.0, pytest.approx(13.1), "fails")
     assert found["cost_per_m2"] == (500.0, None, "not known")
-
-
-def test_an_armour_has_one_weight():
-    design = {**OWN, "added_areal_density_kg_m2": 1.2, "added_thickness_mm": 1.0}
-    of = scenario(velocity=600.0, design=design)
-    best = best_of(optimise(of))
-    assert check(of).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2)
-    assert simulate(of).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2)
-    assert check(of).thickness_mm == best.thickness_mm == pytest.approx(13.7)
 
 
 def test_a_cost_that_is_not_complete_is_no_total():
@@ -206,12 +195,6 @@ def test_without_the_model_error_a_required_probability_is_never_reached(sampled
     assert check(of.replaced({"impact.velocity_m_s": 1500.0})).verdict == "fails"
 
 
-def test_without_the_model_error_no_probability_is_known():
-    of = scenario(velocity=600.0, design={**OWN, "confidence": 0.9}, uncertainty={"model": {"included": False}})
-    assert (check(of).verdict, optimise(of).reason) == ("not known", "not known")
-    assert "uncertainty.model excludes the model error" in optimise(of).shown.check.threats[0].reason
-
-
 SAMPLED: dict[str, Any] = {"ceramic": {"flow_stress_GPa": NARROW}}
 
 
@@ -244,34 +227,6 @@ def test_a_sampled_probability_near_the_one_required_is_not_known():
     [row] = check(asked).threats[0].requirements
     assert row.interval is not None
     assert row.interval[0] < row.required < row.interval[1]
-
-
-@pytest.mark.slow
-def test_intervals_of_sampled_probabilities_contain_the_truth():
-    """Of 30 sets of few samples; the truth is that of many more."""
-    seeds, contained = range(30), 0
-    of = scenario(velocity=690.0, uncertainty={"samples": 2**12, **SAMPLED})
-    truth = probability_of_perforation(of).value
-    for seed in seeds:
-        found = probability_of_perforation(of.replaced({"uncertainty.samples": 128, "uncertainty.seed": seed}))
-        contained += found.low <= truth <= found.high
-    assert 0.90 <= contained / len(seeds) <= 0.99
-
-
-def test_rows_of_a_design_are_built_few_times(monkeypatch: pytest.MonkeyPatch):
-    counts: dict[tuple[int, float, float], int] = {}
-    rows_of = Catalogue.against_each
-
-    def counted(self: Catalogue, candidates: Any) -> Any:
-        for design in zip(*(column.tolist() for column in candidates[:3]), strict=True):
-            counts[design] = counts.get(design, 0) + 1
-        return rows_of(self, candidates)
-
-    monkeypatch.setattr(Catalogue, "against_each", counted)
-    optimise(load_scenario(SCENARIOS / "panel.toml", {"design.confidence": 0.9}))
-    assert len(counts) > 1000
-    assert max(counts.values()) <= 4
-    assert np.mean(list(counts.values())) < 1.1
 
 
 def layer(place: str, **others: float) -> dict[str, Any]:

@@ -9,15 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.core.state import Outcome
 from armour.design import designs
 from armour.design.catalogue import Catalogue
 from armour.design.optimise import optimise
 from armour.design.search import distinct, undominated
-from armour.engine import batch
 from armour.scenario.scenario import load_scenario
 from tests.design.results import best_of
-from tests.helpers.cases import GIVEN, SCENARIOS, THREATS, catalogue, offer, scenario, sourced
+from tests.helpers.cases import SCENARIOS, THREATS, catalogue, offer
 from tests.helpers.examples import examples
 
 pytestmark = pytest.mark.slow
@@ -61,46 +59,6 @@ def test_without_a_catalogue_it_is_the_grid():
     assert optimise(optimum.replaced({"threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 850.0}]})) == expected
     assert optimise(optimum.replaced({"design": {}})) == expected
     assert (best_of(expected).ceramic_thickness_mm, best_of(expected).backing_thickness_mm) == (11.0, 6.0)
-
-
-def test_a_big_catalogue_is_exact():
-    """4 ceramics, 4 metals, 20 by 20 thicknesses and 3 threats against all 6,400 at once."""
-    thick = {"min": 2.0, "max": 21.0, "step": 1.0}
-    library = {
-        "ceramic": {
-            f"C{i}": {"based_on": "AD85", "density_kg_m3": 3300.0 + 97.0 * i, **sourced(4.5 + 0.3 * i)}
-            for i in range(4)
-        },
-        "metal": {
-            f"M{i}": {"based_on": "6061-T6", "density_kg_m3": 2650.0 + 61.0 * i, "flow_stress_GPa": 0.8 + 0.1 * i}
-            for i in range(4)
-        },
-    }
-    threats = [*THREATS, {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "margin_m_s": 130.0, "name": "slow"}]
-    case = scenario(
-        threat=threats,
-        library=library,
-        uncertainty={"model": GIVEN},
-        design={
-            "ceramic": [{"material": name, "thickness_mm": thick} for name in library["ceramic"]],
-            "backing": [{"material": name, "thickness_mm": thick} for name in library["metal"]],
-        },
-    )
-    result = optimise(case)
-    assert result.designs == 6_400
-    hc, hb = (values.ravel() for values in np.meshgrid(*[2.0 + np.arange(20)] * 2))
-    least = np.inf
-    for ceramic in library["ceramic"]:
-        for metal in library["metal"]:
-            good = np.ones(400, dtype=bool)
-            for threat in case.threat:
-                changes = {"armour.ceramic": ceramic, "armour.backing": metal, "impact.projectile": threat.projectile}
-                a = case.replaced(changes).core_armour()
-                rows = batch.packed([a._replace(Hc0=c / 1000.0, Hb=b / 1000.0) for c, b in zip(hc, hb, strict=True)])
-                velocity = threat.velocity_m_s + threat.margin_m_s
-                good &= batch.impacts(rows, np.full(400, velocity)).outcome == Outcome.STOPPED
-            least = min(least, float(np.where(good, a.rho_c * hc + a.rho_B * hb, np.inf).min()) / 1000.0)
-    assert best_of(result).areal_density_kg_m2 == pytest.approx(least, rel=1e-12)
 
 
 def test_designs_that_differ_by_less_than_the_resolution_are_one():

@@ -21,13 +21,12 @@ from armour.evidence.tests import (
     what_was_tested,
 )
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, YIELD
-from armour.scenario.library import shipped_library
-from armour.scenario.scenario import Scenario, load_scenario
+from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import sweep
-from armour.units import GPA, MM
+from armour.units import GPA
 from armour.validation.suite import load_suite
 from armour.validation.validate import paper_suite
-from tests.helpers.cases import COMPLETE, scenario
+from tests.helpers.cases import scenario
 
 RATIOS = ("ceramic_thickness_ratio", "backing_thickness_ratio", "rod_length_ratio")
 TILES = shipped_evidence()[0]
@@ -144,26 +143,6 @@ def test_an_unusual_armour_is_outside_by_more_than_a_factor_of_two(field: str, l
     rows = batch.fields(batch.packed([parameters] * len(values)))._replace(**{field: values})
     rows = rows._replace(tau=0.26 * rows.YB)
     assert is_unusual(rows).tolist() == [True, False, False, True, False]
-
-
-def unusual(case: Scenario) -> bool:
-    return bool(is_unusual(armours_of(case).parameters).all())
-
-
-def test_what_is_shipped_is_not_unusual():
-    library, metals = shipped_library(), ("6061-T6", "7075-T6", "5083-H3", "Ti-6Al-4V")
-    for projectile in ("7.62 mm AP", "7.62 mm APM2", "25 mm APDS"):
-        diameter = scenario(projectile).core_armour().D0 / MM
-        for ceramic in library.names("ceramic"):
-            for metal in metals:
-                assert not unusual(scenario(projectile, ceramic, metal, diameter, diameter))
-    for path in COMPLETE:
-        if "projectile =" in path.read_text():
-            assert not unusual(load_scenario(path)), path
-    for projectile in library.names("projectile"):
-        diameter = library.entry("projectile", projectile)["penetrator_diameter_mm"]
-        for metal in library.names("metal"):
-            assert not unusual(scenario(projectile, None, metal, 0.0, diameter)), (projectile, metal)
 
 
 def test_what_is_far_from_the_tests_is_told_with_what_was_tested():
