@@ -1,12 +1,15 @@
 """What the model cannot do, said in the answers."""
 
+from collections.abc import Callable
 from typing import Any
 from xml.etree.ElementTree import tostring
 
 import pytest
+from scipy.optimize import brentq
 
 import armour
 from armour.core import equations
+from armour.core.state import Parameters
 from armour.evidence.caveats import long_rod
 from armour.reporting.by_result import in_a_line
 from armour.reporting.scenario_report import scenario_report
@@ -143,6 +146,35 @@ def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
     assert texts_of(found)[0].startswith("lightest by the model: " if is_too_low else "nearest: ")
     stopped = rod.replaced({"impact.velocity_m_s": 50.0})
     assert armour.check(stopped).verdict == "stopped by the model"
+
+
+@pytest.mark.parametrize(("velocity", "of_fluxes", "of_halves"), [(1000.0, 1.57, 0.75), (1500.0, 2.44, 1.18)])
+def test_a_long_rod_penetrates_steel_as_the_page_says(velocity: float, of_fluxes: float, of_halves: float):
+    rod = scenario("rod", None, "RHA Class 1", 0.0, 1000.0, library={"projectile": {"rod": ROD}}, velocity=velocity)
+    p = rod.core_armour()
+    assert armour.simulate(rod).penetration_depth_mm / 1000.0 / p.L0 == pytest.approx(of_fluxes, abs=0.005)
+    for flux, expected in (
+        (lambda speed, other: speed * other, of_fluxes),
+        (lambda _, other: other**2 / 2.0, of_halves),
+    ):
+        assert integrated_depth(p, velocity, flux) / p.L0 == pytest.approx(expected, abs=0.01)
+
+
+def integrated_depth(p: Parameters, velocity: float, flux: Callable[[float, float], float]) -> float:
+    """The depth in a thick plate by short steps, given the flux of a density of 1 at a speed, and at the speed of loss.
+
+    The target's flux is that of its own speed of penetration.
+    """
+
+    def excess(U: float) -> float:
+        return p.Yp + p.rho_p * flux(V, V - U) - p.YB - p.rho_B * flux(U, U)
+
+    V, L, depth, step = velocity, p.L0, 0.0, 5e-8
+    while L > 0.0 and V > 1.0 and p.Yp + p.rho_p * flux(V, V) > p.YB:
+        U = V if excess(V) > 0.0 else brentq(excess, 0.0, V)
+        pressure = p.Yp if U < V else p.YB + p.rho_B * flux(V, V)
+        V, L, depth = V - step * pressure / (p.rho_p * L), L - step * (V - U), depth + step * U
+    return depth
 
 
 def test_answers_name_doubtful_values_and_own_values_are_not_doubted():

@@ -1,7 +1,7 @@
 """Design optimisation: the best design that stops every threat, and its comparison with the others."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import chain, groupby
 from math import inf
 from operator import itemgetter
@@ -280,15 +280,12 @@ def optimise(
 
 def _of_other_pairs(shown: BestDesign, pairs: Sequence[Pair]) -> Iterator[Note]:
     """Yield the caveats about the designs of other pairs of materials, except for those about `shown`."""
-    told, kinds = (
-        {note.about for note in shown.check.notes},
-        {"caveat": "pairs", "too low": "pairs", "detail": "detail"},
-    )
+    told = {note.about for note in shown.check.notes}
     for design in filter(None, (pair.best or pair.nearest for pair in pairs)):
         for note in design.check.notes:
-            if note.said in kinds and note.about and note.about not in told:
+            if note.said in ("caveat", "too low", "detail") and note.about and note.about not in told:
                 told.add(note.about)
-                yield Note(note.text, note.key, kinds[note.said])
+                yield replace(note, said="detail" if note.said == "detail" else "pairs")
 
 
 def _changing(catalogue: Catalogue, changes: Sequence[tuple[int, str, float]]) -> Iterator[Note]:
