@@ -102,7 +102,9 @@ QUANTITIES: dict[str, Quantity] = {
         lambda a: a.variants.areal_densities_kg_m2(whole=True),
     ),
     "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
-    "expected_limit_m_s": Quantity("expected limit", "m/s", ".0f", (*OF_LIMIT, *OF_ERROR), lambda a: a.shots.medians()),
+    "expected_limit_m_s": Quantity(
+        "expected limit", "m/s", ".0f", (*OF_LIMIT, *OF_ERROR), lambda a: a.shots.quantile(0.5)
+    ),
     "probability_of_stopping": Quantity(
         "probability of stopping a shot", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
     ),
