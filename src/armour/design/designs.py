@@ -190,7 +190,7 @@ class Designs:
         self.unsourced = catalogue.lacks_sources[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
-        self._limits, self._shown_limits, self._slack = np.full((3, count, len(catalogue.threats)), np.nan)
+        self._measured = np.full((3, count, len(catalogue.threats)), np.nan)
         self._sampled: dict[int, int] = {}
 
     def rows(self, where: Ints) -> Variants:
@@ -211,28 +211,24 @@ class Designs:
         self.verdicts(where)
         return self._known[where]
 
-    def measure(self, where: Ints) -> None:
-        """Compute and keep the ballistic limits and slack of those designs for which they are not known yet."""
-        missing = where[np.isnan(self._limits[where, 0])]
+    def measured(self, where: Ints) -> Floats:
+        """Return limits by the model, limits shown and slack of designs, see the function `measured`; they are kept.
+
+        The shape is (3, designs, threats).
+        """
+        missing = where[np.isnan(self._measured[0, where, 0])]
         for part in portions(len(missing), max(LIMITS_AT_A_TIME // len(self.catalogue.threats), 1)):
             places = missing[part]
-            found = measured(self.catalogue, self.rows(places), self.runs)
-            self._limits[places], self._shown_limits[places], self._slack[places] = found
-
-    def limits_m_s(self, where: Ints) -> Floats:
-        """Return the lowest limits by the model of designs against each threat, m/s, (designs, threats)."""
-        self.measure(where)
-        return self._limits[where]
+            self._measured[:, places] = measured(self.catalogue, self.rows(places), self.runs)
+        return self._measured[:, where]
 
     def slack_m_s(self, where: Ints) -> Floats:
         """Return the slack of designs against each threat, see the function `slack_m_s`, m/s, (designs, threats)."""
-        self.measure(where)
-        return self._slack[where]
+        return self.measured(where)[2]
 
     def margins_m_s(self, where: Ints) -> Floats:
-        """Return the limits shown, see `measured`, minus the velocities of the threats, m/s, (designs, threats)."""
-        self.measure(where)
-        return self._shown_limits[where] - self.catalogue.velocities_m_s
+        """Return the limits shown minus the velocities of the threats, m/s, (designs, threats)."""
+        return self.measured(where)[1] - self.catalogue.velocities_m_s
 
     def quick_margins_m_s(self, where: Ints) -> Floats:
         """Return the margins, m/s, (designs, threats), by the usual scan, which may miss lower limits."""
@@ -336,7 +332,7 @@ class Designs:
             changes &= (verdicts[thin] > FAILS) & (verdicts[thick] == FAILS)
             thin, thick = thin[changes], thick[changes]
             # Where it is known, the model error may be greater for the thicker one.
-            limits = [self.limits_m_s(self.offered[places]) for places in (thick, thin)]
+            limits = [self.measured(self.offered[places])[0] for places in (thick, thin)]
             thin = thin[np.less(*limits).any(axis=1) | ~self.known(self.offered[thick])]
             for place in thin:
                 yield int(pairs[place]), name, float(other_layer[place])

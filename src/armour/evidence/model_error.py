@@ -366,17 +366,14 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
     if (error := given_error(scenario)) is not None:
         return ModelError.of_ratio(ratio, error.source, **shots)
     [(evidence, _)] = armour.by_evidence
-    oblique = evidence.fails_angle(armour.cosines).all()
+    oblique = bool(evidence.fails_angle(armour.cosines).all())
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
-    title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
-    here = _tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None
-    at_least = evidence.at_least if oblique else ""
     return ModelError.of_ratio(
         ratio,
-        title,
+        evidence.title + ", at normal incidence" * oblique,
         outside(evidence.measured, q),
-        at_least=at_least,
-        tests_here=here,
+        at_least=evidence.at_least if oblique else "",
+        tests_here=_tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None,
         greatest_probability=float(greatest_probability(evidence, q)[0]),
         **shots,
     )
