@@ -390,19 +390,11 @@ def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition
     return lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual()
 
 
-def least_values_mm(
-    stops: RowCondition,
-    is_unusual: RowCondition,
-    low: Floats,
-    high: Floats,
-    points: int = DENSE_SCAN_POINTS,
-    fails: RowCondition | None = None,
-) -> Thinnest:
+def least_values_mm(stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats) -> Thinnest:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
     Bisection assumes that the outcome changes once at most.  Rows that are unusual, at the thickness found or by their
-    other quantities if none is found, are scanned at `points` thicknesses instead.  `fails` tells which thicknesses are
-    known to be perforated, by default all that do not stop the threat.
+    other quantities if none is found, are scanned at many thicknesses instead.
     """
     rows = np.arange(len(low))
     least = np.where(stops(low, rows), low, np.nan)
@@ -413,12 +405,10 @@ def least_values_mm(
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         rows = where[start : start + SCANS_AT_A_TIME]
-        values = np.linspace(low[rows], high[rows], points, axis=1)
-        stopped = stops(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
+        values = np.linspace(low[rows], high[rows], DENSE_SCAN_POINTS, axis=1)
+        stopped = stops(values.ravel(), np.repeat(rows, DENSE_SCAN_POINTS)).reshape(values.shape)
         first, numbers = stopped.argmax(axis=1), np.arange(len(rows))
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
         least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
-        row, place = np.nonzero(stopped[:, :-1] & ~stopped[:, 1:])
-        again = np.ones(len(row), dtype=bool) if fails is None else fails(values[row, place + 1], rows[row])
-        changes_again[rows[row[again]]] = True
+        changes_again[rows] = (stopped[:, :-1] & ~stopped[:, 1:]).any(axis=1)
     return Thinnest(least, changes_again)
