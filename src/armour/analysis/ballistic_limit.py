@@ -416,9 +416,16 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     return result.of(scenario=scenario)
 
 
-def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`."""
-    limit, error, reason = limit_and_error(row, on_progress)
+def confidence_in(
+    row: Variants,
+    on_progress: OnProgress = ignore_progress,
+    known: tuple[float | None, ModelError | None, str] | None = None,
+) -> ConfidenceResult:
+    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`.
+
+    `known` is what `limit_and_error` returns for the row, if it was computed for another velocity.
+    """
+    limit, error, reason = known or limit_and_error(row, on_progress)
     probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason)

@@ -422,7 +422,8 @@ def _checked(
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed = against.replaced(values)
-        found = confidence_in(row_of(changed), on_progress)
+        known = (limit, error, result.reason) if VELOCITY in values else None  # the limit does not depend on it
+        found = confidence_in(row_of(changed), on_progress, known)
         limits = found.ballistic_limit_m_s, found.expected_limit_m_s, found.interval_m_s
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, found.probability_of_stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
