@@ -307,7 +307,7 @@ def untested(own: int, scatter: float, dice: Any) -> dict[str, Outcome]:
         made = variants_of(scenario, columns, len(armours))
         made = made._replace(materials=(Materials(entry, made.materials[0].backing),))
         by_own = ballistic_limits(made)
-        found = made.limit_distributions(by_own).times(1.0 / by_own)
+        found = made.errors.ratio.times(made.limits_by_law(made.errors, by_own) / by_own)
         for place, design in enumerate(DESIGNS, start=own):
             error = np.log(true[[place]] / by_own[[place]])
             parts[design].append(Outcome.of(error, found.mapped(partial(np.take, indices=[place], axis=1))))
