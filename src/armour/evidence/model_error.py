@@ -425,7 +425,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
     if evidence.holds(q).all():
         return f"the model was compared with {evidence.angles()}"
     if not evidence.differences(q).any():
-        return "the armour is too far from the tests"
+        return f"the armour is too far from the tests, which are of {', '.join(outside(evidence.measured, q))}"
     if evidence.lot:
         return f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
     if evidence.ceramic and ceramic is not None and is_untested(ceramic):
