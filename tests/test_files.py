@@ -2,6 +2,8 @@ import gc
 import os
 import re
 import shlex
+import shutil
+import subprocess
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
@@ -183,6 +185,20 @@ def test_a_command_line_is_one_printable_line_that_a_shell_reads_again():
     assert shlex.split(shell_line(names)) == names
     for name in ("x\n::error::y", "\x1b[31m7", "caf\udce9", "\u202ea"):
         assert shell_line([name]).isprintable()
+
+
+NAMES = ("a b", "x\n::error::y", "\x1b[31m7", "caf\udce9", "it's\\\r", "\u202ea", "\u00a0", "$'x'\t1", "é\n7")
+
+
+@pytest.mark.parametrize("name", NAMES, ids=ascii)
+def test_a_shell_reads_each_word_again(name: str):
+    word = shell_line([name])
+    assert word.isprintable()
+    shell = shutil.which("bash")
+    if shell is None:
+        pytest.skip("needs bash")
+    done = subprocess.run([shell, "-c", f"printf %s {word}"], capture_output=True, check=True)
+    assert done.stdout == os.fsencode(name)
 
 
 @pytest.mark.parametrize("part", ["a", '"a"', "' a '"])

@@ -14,7 +14,7 @@ from functools import cache
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from shlex import join
+from shlex import quote
 from typing import Any, BinaryIO
 
 from armour.errors import Problem, mistake, refuse, suggestion
@@ -196,7 +196,15 @@ def printable(text: str) -> str:
 
 def shell_line(words: Iterable[str]) -> str:
     """Return words as a command line that is one line of printable text, quoted so that a shell reads them again."""
-    return printable(join(words))
+    return " ".join(map(_shell_word, words))
+
+
+def _shell_word(text: str) -> str:
+    """Quote a word; control characters and bytes that are no text by their codes, as POSIX has it since 2024."""
+    if text.isprintable():
+        return quote(text)
+    codes = [c if c.isprintable() and c not in "'\\" else [*os.fsencode(c)] for c in text]
+    return "$'" + "".join(c if isinstance(c, str) else "".join(f"\\{byte:03o}" for byte in c) for c in codes) + "'"
 
 
 def csv_cell(text: str) -> str:
