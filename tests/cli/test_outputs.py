@@ -225,7 +225,7 @@ def test_a_file_name_that_is_no_text(cli, folder: Path):
     assert line.endswith(" (line 1)")
     (folder / name).write_text(WILKINS.read_text())
     assert cli("report", name, "-o", "r.md").exit_code == 0
-    assert "armour report 'w\\udcff.toml' -o r.md" in (folder / "r.md").read_text()
+    assert "armour report $'w\\377.toml' -o r.md" in (folder / "r.md").read_text()
     (folder / "suite.toml").write_text(SUITE.replace("own", "wilkins"))
     (folder / "suite.toml").rename(folder / name.replace("w", "s"))
     (folder / "wilkins.toml").write_text(WILKINS.read_text())
