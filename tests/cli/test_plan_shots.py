@@ -1,5 +1,7 @@
 """`armour plan shots`."""
 
+import subprocess
+import sys
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -99,3 +101,11 @@ def test_a_save_between_reading_and_writing_stays(cli, folder: Path, monkeypatch
     assert not (folder / "p.svg").exists()
     assert cli(*options).exit_code == 0
     assert table.read_text() == f"{saved}750,C\n"
+
+
+def test_two_shots_at_once_are_both_there(folder: Path):
+    command = [sys.executable, "-m", "armour", *PLAIN, "--result", "partial"]
+    velocities = ("700", "710")
+    started = [subprocess.Popen([*command, "--velocity-m-s", velocity], cwd=folder) for velocity in velocities]
+    assert [process.wait() for process in started] == [0, 0]
+    assert sorted(row.split(",")[1] for row in rows(folder / "f.csv")[1:]) == [*velocities]

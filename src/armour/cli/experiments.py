@@ -249,6 +249,7 @@ def plan_shots(
     armour plan shots wilkins --requirement-m-s 700
     """
     from armour.cli import firings
+    from armour.planning.shot_file import locked
 
     table, scenario = _in_order(table, scenario)
     check_options(("--set", changes and scenario is None, "must be given with a scenario"))
@@ -282,19 +283,20 @@ def plan_shots(
         limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
     )
     choice = firings.Choice(chosen(where), ignore or (), sheet)
-    with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
-        plan = partial(armour.plan_shots, loaded, on_progress=count, **settings)
-        planned: Any
-        if table is not None and result is not None:
-            shot = result, velocity_m_s, "" if loaded is None else loaded.subject(ANY_VELOCITY)
-            planned, notes, files = firings.plan_after(plan, table, shot, choice)
-        elif table is not None and undo:
-            planned, notes, files = firings.plan_without_last(plan, table, choice)
-        else:
-            planned = firings.next_plan(plan, table, each, choice)
-            notes, files = planned.notes, {}
-    read = _files_read(table, loaded)
-    answer(planned, loaded, files, notes, plot=plot, file=read, as_json=as_json, verbose=verbose)
+    with locked(updated):
+        with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):
+            plan = partial(armour.plan_shots, loaded, on_progress=count, **settings)
+            planned: Any
+            if table is not None and result is not None:
+                shot = result, velocity_m_s, "" if loaded is None else loaded.subject(ANY_VELOCITY)
+                planned, notes, files = firings.plan_after(plan, table, shot, choice)
+            elif table is not None and undo:
+                planned, notes, files = firings.plan_without_last(plan, table, choice)
+            else:
+                planned = firings.next_plan(plan, table, each, choice)
+                notes, files = planned.notes, {}
+        read = _files_read(table, loaded)
+        answer(planned, loaded, files, notes, plot=plot, file=read, as_json=as_json, verbose=verbose)
     if each is not None:
         if planned.unanswered:
             raise typer.Exit(runner.NO_ANSWER)

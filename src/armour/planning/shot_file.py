@@ -1,19 +1,40 @@
 """Add a shot to the file of a firing, or take the last one back."""
 
 import csv
-from collections.abc import Collection, Mapping, Sequence
+import os
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from io import StringIO
 from itertools import chain
 from pathlib import Path
 
+from filelock import FileLock
+
 from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
 from armour.csv_files import Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
+from armour.files import reason
 from armour.statistics.v50 import SHOTS, TARGET, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
 # Most digits of a name that counts as the number of a shot.
 MOST_DIGITS = 15
+
+
+@contextmanager
+def locked(path: Path | None) -> Iterator[None]:
+    """Keep other commands from changing a file, if any is given, by a lock file beside it: it is replaced itself."""
+    if path is None:
+        yield
+        return
+    target = Path(os.path.realpath(path))
+    lock = FileLock(target.with_name(f".{target.name}.lock"))
+    try:
+        held = lock.acquire()
+    except OSError as error:
+        raise mistake(lock.lock_file, "", f"cannot be locked: {reason(error)}") from None
+    with held:
+        yield
 
 
 def content_of(path: Path) -> bytes | None:
