@@ -37,6 +37,7 @@ check: $(VENV)/developing
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m tools.budget
 
 # Build the site of the documentation in site/, strictly; `make site && .venv/bin/mkdocs serve` shows it.
 site: $(VENV)/developing
@@ -48,6 +49,7 @@ format: $(VENV)/developing
 
 # Write the generated pages and pictures of docs/.
 docs: $(VENV)/developing
+	$(BIN)/python -m tools.lists
 	$(BIN)/python -m tools.rivals
 	$(BIN)/armour validate plates --markdown docs/evidence/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb

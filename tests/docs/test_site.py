@@ -1,16 +1,12 @@
 """The navigation of the site, and its pages that the program fills; `make site` builds it and checks every link."""
 
-import json
 import re
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import armour
-from armour.cli.app import app
 from armour.files import shipped_files
-from armour.scenario.library import named_threats
 
 pytestmark = pytest.mark.slow
 
@@ -51,44 +47,6 @@ def test_what_a_page_asks_for_is_there(site):
 def test_the_api_has_every_public_name_once(site):
     pages = [site.filled(page.read_text(encoding="utf-8")) for page in (DOCS / "reference" / "api").glob("*.md")]
     assert sorted(re.findall(r"^::: armour\.(\w+)$", "\n".join(pages), re.MULTILINE)) == sorted(dir(armour))
-
-
-def test_the_command_line_has_every_command(site):
-    text = site.commands()
-    for command in app.registered_commands:
-        assert f"\n## `armour {command.name}`\n" in text
-
-
-def test_the_page_of_keys_has_every_section_and_its_links_lead_to_them(site):
-    text = site.scenario()
-    anchors = {site.slugify(heading.replace("`", ""), "-") for heading in re.findall(r"^## (.+)$", text, re.MULTILINE)}
-    assert set(re.findall(r"\]\(#([^)]+)\)", text)) <= anchors
-    assert len(anchors) == len(armour_sections()) + 1
-
-
-def armour_sections() -> set[str]:
-    from armour.scenario.scenario import scenario_schema
-
-    return set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(scenario_schema())))
-
-
-def test_the_library_has_every_entry_with_its_sources(site):
-    for kind, entries in armour.shipped_library().entries.items():
-        text = site.entries(kind)
-        assert re.findall(r"^## (.+)$", text, re.MULTILINE) == list(entries)
-    assert "\\[Ryan2023]" in text
-    text = site.threats()
-    assert all(f"## {name}\n" in text and threat.source in text for name, threat in named_threats().items())
-
-
-@pytest.mark.parametrize("kind", ["threat", "projectile", "metal", "ceramic"])
-def test_a_table_of_the_library_links_every_name_to_its_values_and_says_what_it_was_tested_with(site, kind):
-    rows = re.findall(rf"^\| \[(.+)\]\(library/{kind}s\.md#(\S+)\) \| (.*?) ?\|", site.library(kind), re.MULTILINE)
-    page = (DOCS / "reference" / "library" / f"{kind}s.md").read_text(encoding="utf-8")
-    assert [name for name, _, _ in rows] == re.findall(r"^## (.+)$", site.filled(page), re.MULTILINE)
-    assert all(anchor == site.slugify(name, "-") for name, anchor, _ in rows)
-    listed = json.loads(CliRunner().invoke(app, ["library", f"{kind}s", "--tested", "--json"]).stdout)[kind]
-    assert {name for name, _, tests in rows if tests} == {*listed}
 
 
 def test_the_page_of_the_api_has_a_line_for_every_public_name(site):
