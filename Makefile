@@ -53,9 +53,7 @@ docs: $(VENV)/developing
 	$(BIN)/python -m tools.rivals
 	$(BIN)/armour validate plates --markdown docs/evidence/plates.md --force
 	$(BIN)/python tools/notebook.py docs/study.ipynb
-	$(BIN)/python tools/drawings.py
-	$(BIN)/python -m tools.lessons
-	$(BIN)/python -m tools.home
+	$(BIN)/python -m tools.pictures
 	$(BIN)/python -m tools.readings
 	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force

@@ -60,7 +60,8 @@ def words(text: str) -> int:
 
 def commands(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
     """Yield the names and the commands of the program, by default of all of it."""
-    for name, command in (group or typer.main.get_command(app)).commands.items():
+    found: Any = group or typer.main.get_command(app)
+    for name, command in found.commands.items():
         if hasattr(command, "commands"):
             yield from commands(command, (*path, name))
         else:
