@@ -50,8 +50,7 @@ format: $(VENV)/developing
 # Write the generated pages and pictures of docs/.
 docs: $(VENV)/developing
 	$(BIN)/python -m tools.lists
-	$(BIN)/python -m tools.rivals
-	$(BIN)/armour validate plates --markdown docs/evidence/plates.md --force
+	$(BIN)/python -m tools.published
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python -m tools.pictures
 	$(BIN)/python -m tools.readings

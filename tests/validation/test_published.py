@@ -11,7 +11,7 @@ from armour.validation.tested import COMPARED_TESTS
 from tests.helpers.cases import SCENARIOS
 from tests.helpers.fits import wilkins_fit
 from tests.helpers.suites import of_paper
-from tools import rivals
+from tools import published
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ NAMES = ["this model, flow stress refitted", "areal density rule, p = 1", "areal
 
 @pytest.fixture(scope="module")
 def errors() -> dict[str, Error]:
-    return {error.predictor: error for error in rivals.errors(of_paper())}
+    return {error.predictor: error for error in published.errors(of_paper())}
 
 
 def rounded(error: Error) -> tuple[float, float, float]:
