@@ -58,9 +58,9 @@ docs: $(VENV)/developing
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
 
-# Run the benchmarks and write docs/performance.md: some minutes.
+# Run the benchmarks and write the tables of docs/performance.md: some minutes.
 bench: $(VENV)/developing
-	$(BIN)/python -m tools.benchmarks.report docs/performance.md
+	$(BIN)/python -m tools.benchmarks
 
 # Measure which lines and branches the tests run; less than 97 % fails.
 coverage: $(VENV)/developing

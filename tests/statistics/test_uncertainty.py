@@ -223,7 +223,7 @@ def section_of(distribution: dict[str, object], samples: int, **keys: object) ->
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    """For a function in place of the engine; the engine itself: tools/experiments/uncertainty.py."""
+    """For a function in place of the engine; with the engine, `tools.campaigns.coverage` counts."""
     normal = {"distribution": "normal", "standard_deviation": 1.0, "mean": 0.0}
     weights = np.array([3.0, 1.0, 1.0])
     section = section_of(normal, 512, correlation=[{"between": INPUTS[1:], "coefficient": 0.5}])

@@ -5,7 +5,8 @@ from itertools import islice
 import pytest
 
 from tests.helpers.cases import SCENARIOS
-from tools.campaigns.evidence import bands, beyond_the_limit, series, study, table
+from tools.campaigns.evidence import bands, beyond_the_limit, series, study
+from tools.tables import table
 
 pytestmark = pytest.mark.slow
 

@@ -2,25 +2,25 @@
 
     python -m tools.campaigns.coverage [EXPERIMENT]... [--samples N] [--seed N]
 
-runs the named experiments of `tools/experiments`, by default all.
+runs the named experiments, by default all.
 """
 
 import argparse
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from math import sqrt
 
-from tools.campaigns.verdict import verdict
-from tools.experiments import calibrations, curves, firings, lots, uncertainty
-from tools.experiments.share import Share
+from tools.campaigns import calibrations, curves, firings, uncertainties
+from tools.campaigns.verdict import Share, verdict
 
 # Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
 EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
-    "curves": (curves.shares, 1000),
-    "wide_curves": (curves.wide_shares, 300),
-    "lots": (lots.shares, 2000),
+    "curves": (partial(curves.shares, curves.CURVES), 1000),
+    "wide_curves": (partial(curves.shares, curves.WIDE), 300),
+    "lots": (curves.lots, 2000),
     "calibrations": (calibrations.shares, 300),
-    "uncertainty": (uncertainty.shares, 200),
+    "uncertainty": (uncertainties.shares, 200),
     "firings": (firings.shares, 250),
     "requirements": (firings.decisions, 250),
 }

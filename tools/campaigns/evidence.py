@@ -6,12 +6,10 @@ Of bare plates, one alloy at a time is left out of the fit and predicted; or the
 property; of AD85, one series of tests.
 """
 
-import re
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +36,7 @@ from tools.evidence import (
     plates_of,
     tiles_of,
 )
+from tools.tables import table, write_tables
 
 PAGE, PICTURE = ROOT / "docs" / "evidence" / "left-out.md", ROOT / "docs" / "images" / "evidence.png"
 NAMES = {
@@ -140,17 +139,6 @@ def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, P
     prior = group.prior if covariates else None
     terms = group.terms if covariates else ("1",)
     return replace(group, terms=terms, prior=prior), plates._replace(error=error)
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table in Markdown; of the first two cells, those that repeat the row above are empty."""
-    lines = [head, ["---", *["---:"] * (len(head) - 1)]]
-    above: Sequence[str] = ["", ""]
-    for row in rows:
-        same = 0 if row[0] != above[0] else 1 if row[1] != above[1] else 2
-        lines.append([""] * same + [*row[same:]])
-        above = row
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def study(name: str) -> tuple[Plates, Predicted, list[list[str]]]:
@@ -298,13 +286,6 @@ def picture(sheet: Sheet) -> Picture:
     axes.axhline(0.0, linestyle=":", **RULE)
     axes.set(xlabel="thickness along the line of fire over core diameter", ylabel="measured less computed limit, %")
     return shown
-
-
-def write_tables(page: Path, *tables: str) -> None:
-    """Write tables in place of those of a page, in their order."""
-    remaining = iter(tables)
-    text = page.read_text(encoding="utf-8")
-    page.write_text(re.sub(r"(?:^\|.*\n)+", lambda _: f"{next(remaining)}\n", text, flags=re.M), encoding="utf-8")
 
 
 def main() -> int:

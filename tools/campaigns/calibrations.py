@@ -23,7 +23,7 @@ from armour.statistics import likelihood as likelihood_fit
 from armour.statistics.calibration import LAWS, Law, with_ceramic, with_law
 from armour.statistics.measured import LIMIT, Measurement, Tests, read_tests
 from armour.units import GPA
-from tools.experiments.share import Share, holds
+from tools.campaigns.verdict import Share, holds
 
 ROOT = Path(__file__).resolve().parents[2]
 TRUE_GPA, TRUE_EXPONENT = 5.2, 0.3
