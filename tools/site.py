@@ -4,7 +4,6 @@ A line ``<!-- site: NAME ARGUMENT ... -->`` of a page stands for the Markdown th
 returns, unless `tools.lists` has written it into the page.
 """
 
-import io
 import re
 import sys
 from functools import partial
@@ -27,20 +26,16 @@ OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 # Weight in the search, by folder or page: pages that answer a question come before those that list names, and those on
 # the project itself last.
 WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
-WEIGHTS |= dict.fromkeys(
-    ["changes.md", "contributing.md", "design.md", "performance.md", "study.ipynb", "evidence/campaigns.md"], 0.02
+LAST = (
+    "changes",
+    "contributing",
+    "design",
+    "performance",
+    "evidence/campaigns",
+    "evidence/left-out",
+    "evidence/own-tests",
 )
-WEIGHTS |= dict.fromkeys(["evidence/left-out.md", "evidence/own-tests.md"], 0.02)
-# Pages that stood beside the home page and are now in evidence/; links to their old places go on.
-MOVED = ("campaigns", "left-out", "methods", "own-tests", "plates", "validation")
-FORWARD = """<!doctype html>
-<meta charset="utf-8">
-<title>Moved</title>
-<script>location.replace("{place}" + location.hash)</script>
-<p>This page moved to <a href="{place}">{place}</a>.</p>
-"""
-# Pictures that the pages filled so far show, by their place in the site.
-PICTURES: dict[str, str] = {}
+WEIGHTS |= dict.fromkeys(["study.ipynb", *(f"{page}.md" for page in LAST)], 0.02)
 
 
 def names(package: str) -> list[str]:
@@ -61,18 +56,7 @@ def described(*names: str) -> str:
     return "\n".join(["| name | description |", "|---|---|", *rows])
 
 
-def scene(command: str, name: str) -> str:
-    """Return the picture and the tables of what a command computes for a shipped scenario."""
-    options = {"history": True} if command == "simulate" else {}
-    result = getattr(armour, command)(armour.load_scenario(name), **options)
-    drawn = io.StringIO()
-    armour.plot(result).savefig(drawn, format="svg")
-    picture = f"images/gallery/{command}-{name.replace('/', '-')}.svg"
-    PICTURES[picture] = drawn.getvalue()
-    return f"![{name}]({picture})\n\n<details><summary>Numbers</summary>{result._repr_html_()}</details>"
-
-
-PARTS = {**lists.PARTS, "api": api, "described": described, "scene": scene}
+PARTS = {**lists.PARTS, "api": api, "described": described}
 
 
 def filled(markdown: str) -> str:
@@ -82,17 +66,14 @@ def filled(markdown: str) -> str:
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Add the pages that are kept outside of docs/, and those that forward from the old places of moved ones."""
+    """Add the pages that are kept outside of docs/."""
     for page, source in OUTSIDE.items():
         text = (DOCS.parent / source).read_text(encoding="utf-8").replace("](docs/", "](")
         files.append(File.generated(config, page, content=_inside(text, "")))
-    for name in MOVED:
-        place = f"evidence/{name}.html"
-        files.append(File.generated(config, f"{name}.html", content=FORWARD.format(place=place)))
     return files
 
 
-def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Fill a page, rank it for the search, name links by titles, and make links of the keys of the bibliography."""
     path = page.file.src_uri
     page.meta["search"] = {"boost": WEIGHTS.get(path, WEIGHTS.get(path.rpartition("/")[0], 1.0))}
@@ -100,16 +81,11 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     titled = partial(_titled, (DOCS / path).parent)
     text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", titled, _inside(markdown, f"../{up}"))
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in lists.sources() else key[0], filled(text))
-    for picture in [picture for picture in PICTURES if files.get_file_from_path(picture) is None]:
-        files.append(File.generated(config, picture, content=PICTURES[picture]))
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in lists.sources())])
 
 
-def on_page_content(html: str, page: Any = None, **_: Any) -> str:
+def on_page_content(html: str, **_: Any) -> str:
     """Return the page with its formulas as MathML and its drawings inline, in the colours of the page."""
-    if page and page.file.src_uri == "gallery.md":
-        html = re.sub(r"<h3.+?(?=<h[23])|<h3.+$", r'<section class="card">\g<0></section>', html, flags=re.DOTALL)
-        html = re.sub(r"(<section.+?</section>)(?=<h2|$)", r'<div class="columns">\g<0></div>', html, flags=re.DOTALL)
     html = re.sub(r'<(span|div) class="arithmatex">\\[\[(](.+?)\\[\])]</\1>', _formula, html, flags=re.DOTALL)
     html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
     # A reference to the bibliography keeps its brackets.

@@ -1,6 +1,5 @@
 """Steps of the recipes in CONTRIBUTING.md of which no other test fails if they are left out."""
 
-import re
 from pathlib import Path
 from typing import get_args
 
@@ -14,48 +13,18 @@ from armour.scenario.inputs import INPUTS, ROLES
 from armour.scenario.library import KINDS, SCATTER_KEYS, SOURCES_KEY, STATIC, UNUSED, Entry
 from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS, Model
 from armour.units import words_and_unit
-from armour.validation.questions import QUESTIONS
 from armour.validation.suite import load_suite
 from tests.helpers.cases import SCENARIOS, scenario
-from tests.helpers.commands import COMMAND, options_of
 from tests.validation.test_regression import SUITE as REGRESSION
 
 ROOT = Path(__file__).parents[2]
-GUIDES = ROOT / "docs" / "howto"
-# Options that many commands have.
-COMMON = {"--set", "--json", "--plot", "--force", "--verbose/-v"}
 LAWS: list[tuple[str, str, int]] = [("shear_perimeter", *law) for law in SHEAR_LAWS.items()]
 LAWS += [("plate_drive", *law) for law in DRIVE_LAWS.items()]
-
-
-@pytest.mark.parametrize(("command", "options"), [*options_of(COMMAND)])
-def test_an_option_is_on_the_page_of_its_command(command: str, options: list[str]):
-    """Or, if it is of the program or common to commands, among their conventions."""
-    conventions = (
-        (GUIDES / "schema.md").read_text().partition("## Conventions of all commands")[2].partition("\n## ")[0]
-    )
-    pages = [GUIDES / f"{name}.md" for name in (command.replace(" ", "-"), command.partition(" ")[0])]
-    own = "".join(page.read_text() for page in pages if page.exists())
-
-    def is_told(option: str) -> bool:
-        text = conventions + own if option in COMMON or not command else own
-        return any(re.search(rf"{name}(?![\w-])", text) for name in option.split("/"))
-
-    untold = [each for each in options if not is_told(each)]
-    assert untold == [], f"options that are not on {pages[0].relative_to(ROOT)}"
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_the_name_of_an_output_ends_in_its_unit(name: str):
     assert words_and_unit(name)[1] == QUANTITIES[name].unit, f"{name}: ENDINGS of src/armour/units.py"
-
-
-@pytest.mark.parametrize(
-    ("name", "page"), [(name, "sweep" if name in QUANTITIES else "validate") for name in QUESTIONS]
-)
-def test_an_output_is_in_the_table_of_quantities(name: str, page: str):
-    text = (GUIDES / f"{page}.md").read_text()
-    assert f"`{name}`" in text, f"{name}: the table of quantities of docs/howto/{page}.md"
 
 
 @pytest.mark.parametrize("name", [name for name, each in QUANTITIES.items() if each.reads == OF_IMPACT and each.unit])

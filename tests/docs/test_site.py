@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import armour
-from armour.files import shipped_files
 
 pytestmark = pytest.mark.slow
 
@@ -30,13 +29,6 @@ def test_every_page_is_in_the_navigation_once_or_a_record(site):
     assert sorted([*NAVIGATION, *RECORDS]) == sorted([*pages, *site.OUTSIDE])
 
 
-def test_the_old_places_of_moved_pages_forward(site):
-    for name in site.MOVED:
-        assert (DOCS / "evidence" / f"{name}.md").exists()
-        assert not (DOCS / f"{name}.md").exists()
-    assert 'location.replace("new.html" + location.hash)' in site.FORWARD.format(place="new.html")
-
-
 def test_what_a_page_asks_for_is_there(site):
     asked = [
         line for page in DOCS.rglob("*.md") for line in re.findall(r"^<!-- site: (.+) -->$", page.read_text(), re.M)
@@ -58,11 +50,6 @@ def test_the_page_of_the_api_has_a_line_for_every_public_name(site):
 def test_no_description_of_the_api_ends_with_a_dash(site):
     html = '<code>Design</code>\n \u2013\n <div class="doc-md-description">\n </div>'
     assert "\u2013" not in site.on_page_content(html)
-
-
-def test_the_gallery_names_every_shipped_scenario():
-    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
-    assert [name for name in shipped_files("scenarios", ".toml") if name not in text and name != "template"] == []
 
 
 def test_a_formula_is_rendered_when_the_site_is_built(site):

@@ -215,7 +215,7 @@ def test_an_error_at_the_ends_and_beyond():
         error.quantile(1.5)
 
 
-# The ends of all ranges of docs/limits.md.
+# The ends of all ranges of docs/howto/confidence.md.
 @pytest.mark.parametrize(
     ("field", "low", "high", "bare"),
     [

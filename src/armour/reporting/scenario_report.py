@@ -29,7 +29,7 @@ from armour.statistics.sensitivity import sensitivity
 from armour.statistics.uncertainty import uncertainty
 from armour.validation.tested import nearest_measured
 
-# Assumptions of the model; docs/limits.md has more.
+# Assumptions of the model; docs/howto/confidence.md has more.
 ASSUMPTIONS = (
     ("Penetrator", "a flat-ended cylinder of one material; jacket, tip, sabot and fracture of the core are left out"),
     ("Flight", "straight, without ricochet or yaw; an angle acts through the thickness along the line of fire"),

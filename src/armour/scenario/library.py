@@ -337,7 +337,7 @@ NO_METAL = re.compile(
     re.IGNORECASE,
 )
 NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
-PAGE = "docs/what-armour-cannot-do.md"
+PAGE = "docs/howto/confidence.md"
 # Calibres in a name, which have at most two digits before a point, and designations of rounds, such as "B32" and "M-2".
 CALIBRE = re.compile(r"(?<![\d.])(?:\d\d?(?:\.\d+)?(?=\s*(?:x|mm))|\d\d?\.\d+|\.\d\d)(?!\d)")
 ROUND = re.compile(r"\b[a-z]+-?\d+\b", re.IGNORECASE)

@@ -254,7 +254,7 @@ def next_step(result: CheckResult) -> tuple[str, str]:
     if result.verdict == "expected to stop":
         return "check", f"--probability {USUAL_PROBABILITY:g}"
     if not _is_modelled(threat):
-        return "", "see docs/what-armour-cannot-do.md"
+        return "", "see docs/howto/confidence.md"
     if threat.verdict not in ("fails", "passes") and result.question["scenario"].excludes_error():
         return "", "without --by-model or uncertainty.model.included = false, tests may tell"
     error = threat.model_error
