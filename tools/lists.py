@@ -18,7 +18,6 @@ from typing import Any
 from markdown.extensions.toc import slugify
 
 import armour
-from armour.analysis.quantities import label_and_unit
 from armour.cli.app import COMMANDS, named, told
 from armour.columns import COUNTED, OUTCOME_WORDS, UNITS, USUAL_NAMES, YES_OR_NO
 from armour.reporting.formats import markdown_table
@@ -50,22 +49,6 @@ def _option(param: Any) -> str:
     """Return the row of an option, or of an argument."""
     names = param.opts if param.param_type_name == "option" else []
     return f"| `{' '.join(filter(None, [*names, param.metavar]))}` | {param.help} |"
-
-
-def keys() -> str:
-    """Return a table of all keys of a scenario: meaning, unit and symbol."""
-    schema = scenario_schema()
-    meanings: dict[str, dict[str, None]] = {}
-    for section in (schema, *schema["$defs"].values()):
-        for key, content in section["properties"].items():
-            meanings.setdefault(key, {})
-            if not content["description"].startswith("Distribution of the input"):
-                meanings[key][content["description"]] = None
-    rows = ["| key | meaning | unit | symbol |", "|---|---|---|---|"]
-    for key in sorted(meanings):
-        symbols = ", ".join(one.field for one in INPUTS.values() if one.key == key and one.field)
-        rows.append(f"| `{key}` | {' '.join(meanings[key])} | {label_and_unit(key)[1]} | {symbols} |")
-    return "\n".join(rows)
 
 
 def scenario() -> str:
@@ -211,17 +194,8 @@ def _entry(key: str, source: Mapping[str, str]) -> str:
 
 
 LISTS = (
-    column_names,
-    commands,
-    count_words,
-    entries,
-    inputs,
-    keys,
-    library,
-    references,
-    result_words,
-    scenario,
-    threats,
+    *(column_names, commands, count_words, entries, inputs),
+    *(library, references, result_words, scenario, threats),
 )
 PARTS = {part.__name__: part for part in LISTS}
 

@@ -30,7 +30,7 @@ def test_imports_are_counted_at_the_top_and_within_functions():
 
 
 def test_a_list_that_a_program_writes_has_no_words():
-    list_, mark = "<!-- site: keys -->\n\n| a | b |\n\n<!-- end -->\n", "<!-- site: keys -->\n"
+    list_, mark = "<!-- site: inputs -->\n\n| a | b |\n\n<!-- end -->\n", "<!-- site: inputs -->\n"
     assert budget.words("One two\n" + list_ + mark + list_ + "three") == 3 + len(mark.split())
 
 

@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
-from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
+from armour.core.search import DENSE_SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
@@ -108,7 +108,7 @@ def ended(designs: Variants, rows: Ints) -> Ints:
 
 
 def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
-    """Print how many limits differ from the lowest change that a scan by usual impacts sees; return those too high."""
+    """Return how many limits are above the lowest change that a scan by usual impacts sees, and words on them."""
     rows = ended(designs, np.arange(len(designs.velocities)))
     unresolved = len(designs.velocities) - len(rows)
     designs = designs.at(rows)
@@ -118,47 +118,33 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     first = beyond.argmax(axis=1)
     low = np.where(beyond.any(axis=1), velocities[np.maximum(first - 1, 0)], np.inf)
     high = np.where(beyond.any(axis=1), velocities[first], np.inf)
-    several = (np.diff(beyond.astype(int), axis=1) != 0).sum(axis=1) > 1
-    print(f"{name}: {len(low)}, of which {several.sum()} change more than once; {unresolved} end with a message")
-    for by, points in ((f"{SCAN_POINTS} velocities everywhere", SCAN_POINTS), ("the program", None)):
-        limits = ballistic_limits(designs, (LOW, HIGH), tolerance=TOLERANCE, points=points)
-        stopped = limits - TOLERANCE
-        # A bracket may contain the perforated end of the scan's.
-        within = (limits >= low) & (stopped < high)
-        same = within | beyond[:, 0] & np.isneginf(limits) | ~beyond.any(axis=1) & np.isposinf(limits)
-        lower = np.flatnonzero(~same & (limits < low))
-        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
-        confirmed = int((~ends[0].perforated() & ends[1].perforated()).sum()) if len(lower) else 0
-        print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
-              f"{(~same).sum() - len(lower)} too high")  # fmt: skip
+    limits = ballistic_limits(designs, (LOW, HIGH), tolerance=TOLERANCE)
+    stopped = limits - TOLERANCE
+    # A bracket may contain the perforated end of the scan's.
+    within = (limits >= low) & (stopped < high)
+    same = within | beyond[:, 0] & np.isneginf(limits) | ~beyond.any(axis=1) & np.isposinf(limits)
+    lower = np.flatnonzero(~same & (limits < low))
+    ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
+    confirmed = int((~ends[0].perforated() & ends[1].perforated()).sum()) if len(lower) else 0
     wrong = int((~same).sum()) - confirmed
     return wrong, f"{wrong} of {len(low):,} {name}" + (f" ({unresolved} more end with a message)" if unresolved else "")
 
 
 def compare_thicknesses(designs: Variants) -> int:
-    """Print how many least ceramic thicknesses differ from the lowest change that a denser scan sees; return those."""
+    """Return how many least ceramic thicknesses differ from the lowest change that a denser scan sees."""
     points = TIMES_DENSER * (DENSE_SCAN_POINTS - 1) + 1
     values = np.linspace(THICKNESSES["min"], THICKNESSES["max"], points)
-    same = told = several = unresolved = 0
+    same = unresolved = 0
     for i in range(len(designs.velocities)):
         try:
-            least = designs.at(np.array([i])).least_thicknesses("ceramic")
+            least = designs.at(np.array([i])).least_thicknesses("ceramic").mm[0]
         except InputError:  # a run of more steps than a command takes
             unresolved += 1
             continue
         stops = ~designs.at(np.full(points, i)).with_thicknesses(ceramic_mm=values).perforated()
         first = int(stops.argmax())
-        again = bool((stops[:-1] & ~stops[1:]).any())
-        several += again
-        told += again and bool(least.changes_again[0])
-        if stops.any():
-            same += bool(values[max(first - 1, 0)] <= least.mm[0] <= values[first])
-        else:
-            same += bool(np.isnan(least.mm[0]))
-    count = len(designs.velocities) - unresolved
-    print(f"least ceramics: {count}, {same} the same as by {points} thicknesses; "
-          f"a thicker one is perforated in {several}, {told} are told; {unresolved} end with a message")  # fmt: skip
-    return count - same
+        same += bool(values[max(first - 1, 0)] <= least <= values[first] if stops.any() else np.isnan(least))
+    return len(designs.velocities) - unresolved - same
 
 
 def main() -> int:
