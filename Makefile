@@ -53,7 +53,6 @@ docs: $(VENV)/developing
 	$(BIN)/python -m tools.published
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python -m tools.pictures
-	$(BIN)/python -m tools.readings
 	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv

@@ -28,6 +28,7 @@ from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.known import known
 from tools.campaigns import own_tests as campaign
+from tools.campaigns.evidence import wilkins
 
 WILKINS = shipped_scenario("wilkins")
 STRENGTH = "backing.flow_stress_GPa"
@@ -420,7 +421,7 @@ def test_the_file_keeps_the_tests_readably():
 
 @pytest.mark.slow
 def test_tests_of_a_series_of_wilkins_predict_the_others_of_it():
-    outcome = campaign.wilkins(3)
+    outcome = wilkins(3)
     assert outcome.within.mean() >= 0.95
     assert outcome.above.mean() >= 0.95
     assert 100.0 * (outcome.error**2).mean() ** 0.5 <= 2.6

@@ -7,9 +7,9 @@ property; of AD85, one series of tests.
 """
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,10 +17,10 @@ from scipy.special import ndtr
 from scipy.stats import t
 
 from armour.analysis.variants import Bools, Floats
-from armour.evidence.fit import CONSTRAINT, USUAL_MASS_RATIO
+from armour.evidence.fit import CONSTRAINT, USUAL_MASS_RATIO, Fit, LotTests, mixture_of
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import DOUBTED, MEAN_SCATTER_PERCENT
-from armour.evidence.tests import FARTHEST_BARE
+from armour.evidence.tests import FARTHEST_BARE, STRANGE
 from armour.reporting.pictures.drawing import BLUE, PANEL, RULE, VERMILION, Picture, Sheet, drawn, points, saved
 from tools.campaigns.verdict import verdict
 from tools.evidence import (
@@ -30,6 +30,7 @@ from tools.evidence import (
     SERIES,
     Group,
     Plates,
+    Tiles,
     fitted,
     fitted_law,
     matched_pairs,
@@ -46,8 +47,8 @@ NAMES = {
     "fragments_aluminium": "fragments on aluminium",
     "fragments_steel": "fragments on steel",
 }
-# Densities of AD85 and 6061-T6, g/cm3.
-DENSITIES = np.array([3.43, 2.75])
+# Ends of the interval, the velocity that is stopped with 95 %, and the median.
+CHANCES = np.array([0.025, 0.05, 0.5, 0.975])
 # Parts of the tests at each end of the range of a property that are left out.
 ENDS = {"backing_thickness_ratio": ("thickness, third", 1.0 / 3.0), "backing_strength_GPa": ("strength, 15 %", 0.15)}
 # Logarithm of the factor beyond the thicknesses tested up to which a probability of bare plates is known.
@@ -67,35 +68,66 @@ LEAST_PERCENT = 93.0
 EDGES = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0)
 
 
+class Outcome(NamedTuple):
+    """Of limits that were predicted: errors of the median, and whether they lie in the interval and above 95 %."""
+
+    error: Floats
+    within: Floats
+    above: Floats
+    half_width: Floats
+    stated: Floats  # probabilities of more than the computed limit
+    observed: Floats
+
+    @classmethod
+    def of(cls, errors: Floats, mixture: Mixture) -> "Outcome":
+        """Return the outcome, given logarithms of ratios, (n,), and the distributions of the ratios."""
+        low, stopped, middle, high = (np.log(mixture.quantile(np.full(len(errors), p))) for p in CHANCES)
+        within = (low <= errors) & (errors <= high)
+        shares = within.astype(float), (errors > stopped).astype(float)
+        stated = mixture.probability_above(np.ones(len(errors)))
+        return cls(errors - middle, *shares, 0.5 * (high - low), stated, (errors > 0.0).astype(float))
+
+    def at(self, where: Bools) -> "Outcome":
+        """Return the outcome of some of the limits."""
+        return Outcome(*(column[where] for column in self))
+
+    def means(self) -> Floats:
+        """Return mean square, mean shares and half-width, and how far what is stated is from what is observed."""
+        off = abs(self.stated.mean() - self.observed.mean())
+        return np.array([np.mean(self.error**2), self.within.mean(), self.above.mean(), self.half_width.mean(), off])
+
+
+def numbers(means: Floats) -> list[str]:
+    """Return RMS, shares and half-width of a row, per cent."""
+    square, *shares, _ = means
+    return [f"{100.0 * square**0.5:.1f}", *(f"{100.0 * share:.0f}" for share in shares[:2]), f"{100.0 * shares[2]:.1f}"]
+
+
 class Predicted(NamedTuple):
-    """Distributions of tests that were left out; arrays, (n,)."""
+    """Tests that were left out, and what is predicted of them."""
 
-    error: Floats  # logarithm of the measured over the computed limit
-    location: Floats
-    scale: Floats
-    degrees_of_freedom: Floats
+    error: Floats  # logarithm of the measured over the computed limit, (n,)
+    mixture: Mixture  # of this ratio, (1, n)
 
-    def at(self, where: Bools) -> "Predicted":
-        """Return some of the tests."""
-        return Predicted(*(column[where] for column in self))
-
-    def within(self, probability: float) -> float:
-        """Return the share of tests within their intervals, per cent."""
-        half = t.ppf(0.5 + 0.5 * probability, self.degrees_of_freedom) * self.scale
-        return float(100.0 * np.mean(np.abs(self.error - self.location) <= half))
-
-    def least(self, probability: float) -> Floats:
-        """Return the values that the tests exceed with a probability."""
-        return self.location + t.ppf(1.0 - probability, self.degrees_of_freedom) * self.scale
-
-    def above(self, probability: float) -> float:
-        """Return the share of tests above the value that they exceed with a probability, per cent."""
-        return float(100.0 * np.mean(self.error >= self.least(probability)))
+    def at(self, where: Bools) -> Outcome:
+        """Return the outcome of some of the tests."""
+        return Outcome.of(self.error, self.mixture).at(where)
 
     def row(self) -> list[str]:
         """Return the number of tests, RMS and coverages."""
-        rms = 100.0 * np.sqrt(np.mean((self.error - self.location) ** 2))
-        return [f"{len(self.error)}", f"{rms:.1f}", f"{self.within(0.95):.0f}", f"{self.above(0.95):.0f}"]
+        return [f"{len(self.error)}", *numbers(Outcome.of(*self).means())[:3]]
+
+
+def joined(parts: Sequence[Outcome]) -> Outcome:
+    """Return outcomes as one."""
+    return Outcome(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fit:
+    """Return the fit for the lot of own tests, whose limits were measured exactly."""
+    nothing = np.zeros(len(tests.error))
+    own = LotTests(tests.quantities, tests.error, nothing, nothing, np.arange(len(nothing)))
+    return fit.of_lot(extra_deviation).given(own)
 
 
 def ranges_of(plates: Plates) -> dict[str, tuple[float, float]]:
@@ -108,26 +140,26 @@ def left_out(group: Group, plates: Plates, parts: Sequence[Bools]) -> Predicted:
     found = []
     for out in parts:
         rest = plates.at(~out)
-        fit = fitted(group, rest)
-        location, scale, _ = fit.predicted(plates.at(out).quantities, ranges_of(rest))
-        found.append(Predicted(plates.error[out], location, scale, np.full(len(scale), float(fit.degrees_of_freedom))))
-    return _joined(found)
+        found.append(mixture_of([fitted(group, rest)], plates.at(out).quantities, ranges_of(rest)))
+    return _together(plates, parts, found)
 
 
 def constant(plates: Plates, parts: Sequence[Bools]) -> Predicted:
     """Predict by mean and standard deviation of the other tests."""
     found = []
     for out in parts:
-        rest, count = plates.error[~out], int(out.sum())
-        scale = rest.std(ddof=1) * np.sqrt(1.0 + 1.0 / len(rest))
-        freedom = len(np.unique(plates.alloy[~out])) - 1.0
-        columns = (np.full(count, value) for value in (rest.mean(), scale, freedom))
-        found.append(Predicted(plates.error[out], *columns))
-    return _joined(found)
+        rest, one = plates.error[~out], np.ones((1, out.sum()))
+        scale, freedom = rest.std(ddof=1) * np.sqrt(1.0 + 1.0 / len(rest)), len(np.unique(plates.alloy[~out])) - 1.0
+        found.append(Mixture(one, rest.mean() * one, scale * one, freedom * one))
+    return _together(plates, parts, found)
 
 
-def _joined(parts: Sequence[Predicted]) -> Predicted:
-    return Predicted(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+def _together(plates: Plates, parts: Sequence[Bools], found: Sequence[Mixture]) -> Predicted:
+    weights, locations, scales, freedom = (
+        np.concatenate([mixture[place] for mixture in found], axis=1) for place in range(4)
+    )
+    errors = np.concatenate([plates.error[out] for out in parts])
+    return Predicted(errors, Mixture(weights, locations, scales, freedom))
 
 
 def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, Plates]:
@@ -166,15 +198,14 @@ def bands(name: str, plates: Plates, found: Predicted) -> Iterator[list[str]]:
     for words, where in parts:
         if where.sum() >= LEAST and not where.all():
             some = found.at(where)
-            stated = np.mean(t.sf(-some.location / some.scale, some.degrees_of_freedom))
-            shares = [some.within(0.95), some.above(0.95), 100.0 * stated, 100.0 * np.mean(some.error > 0.0)]
-            yield [NAMES[name], words, f"{where.sum()}", *(f"{share:.0f}" for share in shares)]
+            shares = [some.within, some.above, some.stated, some.observed]
+            yield [NAMES[name], words, f"{where.sum()}", *(f"{100.0 * share.mean():.0f}" for share in shares)]
 
 
 def beyond_the_limit(name: str, found: Predicted) -> Iterator[list[str]]:
     """Give the tests that stop a velocity above the computed limit, of those stated to with a probability."""
     for probability in ASKED:
-        least = found.least(probability)
+        least = np.log(found.mixture.quantile(np.full(len(found.error), 1.0 - probability)))
         some = least > 0.0
         if count := int(some.sum()):
             held = int((found.error >= least)[some].sum())
@@ -190,7 +221,7 @@ def called(name: str, found: Predicted) -> list[str]:
     u = np.log1p(0.01 * np.linspace(-AWAY, AWAY, 401))
     perforates = ndtr(100.0 * u / MEAN_SCATTER_PERCENT)
     cells = []
-    for limit in (found.location, np.zeros_like(found.location)):
+    for limit in (found.mixture.locations[0], np.zeros_like(found.error)):
         stopped = u <= (limit - found.error)[:, None]
         chances = np.broadcast_to(perforates, stopped.shape)
         cells += [chances[stopped].mean(), 1.0 - chances[~stopped].mean()]
@@ -199,11 +230,9 @@ def called(name: str, found: Predicted) -> list[str]:
 
 def shots(name: str, found: Predicted) -> Iterator[list[str]]:
     """Give the shares of shots stopped at the velocities that are stated to be stopped with a probability."""
-    ones = np.ones((1, len(found.location)))
-    location, scale, freedom = (column[None] for column in found[1:])
-    limits = Mixture(ones, location, scale, freedom).of_shots(0.01 * MEAN_SCATTER_PERCENT)
+    limits = found.mixture.of_shots(0.01 * MEAN_SCATTER_PERCENT)
     for stated in STATED:
-        velocities = np.log(limits.quantile(np.full(len(found.location), 1.0 - stated)))
+        velocities = np.log(limits.quantile(np.full(len(found.error), 1.0 - stated)))
         shares = (ndtr(100.0 * (found.error - velocities) / scatter).mean() for scatter in SCATTERS)
         yield [NAMES[name], f"{100.0 * stated:.0f}", *(f"{100.0 * share:.1f}" for share in shares)]
 
@@ -220,7 +249,7 @@ def ends(name: str) -> Iterator[list[str]]:
                 continue
             found, rest = left_out(group, plates, [out]), values[~out]
             near = abs(np.log(values[out] / values[out].clip(rest.min(), rest.max()))) <= KNOWN
-            known = f"{found.at(near).above(0.95):.0f}" if column == "backing_thickness_ratio" else ""
+            known = f"{100.0 * found.at(near).above.mean():.0f}" if column == "backing_thickness_ratio" else ""
             yield [NAMES[name], f"{end} {words}", *found.row(), known]
 
 
@@ -232,37 +261,35 @@ def angles() -> Iterator[list[str]]:
         yield [f"{angle:g}", f"{len(more)}", f"{min(more):+.0f}", f"{max(more):+.0f}"]
 
 
+def wilkins(own: int, names: Collection[str] = LAWS) -> Outcome:
+    """Predict the tests of each of Wilkins' series from all choices of some of them, the series left out of the fits.
+
+    The fits are those of some laws of the flow stress, which have equal weights without own tests.
+    """
+    tiles, found = {name: tiles_of(law) for name, law in LAWS.items()}, []
+    first = tiles["constant"]
+    for number in range(3):
+        left = {name: fitted_law(LAWS[name], tiles[name].at(number != SERIES))[0] for name in names}
+        places = np.flatnonzero(number == SERIES)
+        for some in map(np.array, combinations(places, own)):
+            rest, fits_of = np.setdiff1d(places, some), [*left.values()]
+            if own:
+                fits_of = [updated(fit, tiles[name].at(some), STRANGE) for name, fit in left.items()]
+            shifts = [first.error[rest] - tiles[name].error[rest] for name in names]
+            mixture = mixture_of(fits_of, first.at(rest).quantities).times(np.exp(shifts))
+            found.append(Outcome.of(first.error[rest], mixture))
+    return joined(found)
+
+
 def series() -> Iterator[list[str]]:
     """Give the methods on each series of Wilkins' tests, and on all, with the series left out of the fits."""
-    tiles = {name: tiles_of(law) for name, law in LAWS.items()}
-    measured = tiles["constant"].error
-    table = np.loadtxt(ROOT / "scenarios" / "tests" / "wilkins.csv", delimiter=",", skiprows=1)
-    weight = tiles["constant"]._replace(error=np.log(table[:, 2] / (table[:, :2] @ DENSITIES)))
-    methods = {"three laws": [*LAWS], **{f"{name} alone": [name] for name in LAWS}, "k times areal density": ["weight"]}
-    laws = {**LAWS, "weight": LAWS["constant"]}
-    for method, names in methods.items():
-        errors, widths, held = np.zeros(13), np.zeros(13), np.zeros(13, dtype=bool)
-        for number in range(3):
-            out = np.equal(SERIES, number)
-            parts = []
-            for name in names:
-                of = weight if name == "weight" else tiles[name]
-                fit, _ = fitted_law(laws[name], of.at(~out))
-                z = of.matrix[out]
-                scale = np.sqrt(fit.variance + np.einsum("ni,ij,nj->n", z, fit.covariance, z))
-                # The error by each law, as that by the constant flow stress.
-                shift = z @ fit.coefficients + measured[out] - of.error[out]
-                parts.append((shift, scale, np.full(len(scale), fit.degrees_of_freedom)))
-            shifts, scales, freedom = (np.array(column) for column in zip(*parts, strict=True))
-            mixture = Mixture(np.full_like(shifts, 1.0 / len(names)), shifts, scales, freedom)
-            chances = mixture.probability_above(np.exp(measured[out]))
-            held[out] = np.abs(chances - 0.5) <= 0.5 * 0.95
-            low, middle, high = (np.log(mixture.quantile(np.full(len(chances), p))) for p in (0.025, 0.5, 0.975))
-            errors[out], widths[out] = measured[out] - middle, high - low
-        parts_of = {f"{number + 1}": np.equal(SERIES, number) for number in range(3 if len(names) > 1 else 0)}
-        for words, where in (*parts_of.items(), ("all", np.ones(13, dtype=bool))):
-            rms, width = 100.0 * np.sqrt(np.mean(errors[where] ** 2)), 50.0 * widths[where].mean()
-            yield [method, words, f"{where.sum()}", f"{rms:.1f}", f"{width:.0f}", f"{held[where].sum()}"]
+    for method, names in {"three laws": [*LAWS], **{f"{name} alone": [name] for name in LAWS}}.items():
+        found = wilkins(0, names)
+        parts = {f"{number + 1}": np.equal(SERIES, number) for number in range(3 if len(names) > 1 else 0)}
+        for words, where in {**parts, "all": SERIES >= 0}.items():
+            some = found.at(where)
+            rms, _, _, half_width = numbers(some.means())
+            yield [method, words, f"{where.sum()}", rms, half_width, f"{some.within.sum():.0f}"]
 
 
 def picture(sheet: Sheet) -> Picture:
@@ -315,7 +342,7 @@ def main() -> int:
         ("method", "series", "tests", "RMS, %", "half-width, %", "within 95"),
     )
     write_tables(PAGE, *map(table, heads, rows))
-    within = [found.within(0.95) for found in predicted.values()]
+    within = [100.0 * Outcome.of(*found).within.mean() for found in predicted.values()]
     PICTURE.write_bytes(saved(drawn(picture, Sheet()).figure, ".png"))
     text = f"95 % intervals contain {min(within):.0f} to {max(within):.0f} % of the tests of alloys left out, by group"
     return verdict(text, right=min(within) >= LEAST_PERCENT)

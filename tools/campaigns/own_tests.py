@@ -9,7 +9,7 @@ stress, each as often.
 """
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
 from itertools import combinations
@@ -20,16 +20,15 @@ import numpy as np
 
 from armour.analysis.variants import Floats, ballistic_limits, variants_of
 from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
-from armour.evidence.mixture import Mixture
 from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import with_ceramic
 from armour.statistics.measured import LIMIT, read_tests
 from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED_DEVIATION, own_tests
-from tools.campaigns.evidence import NAMES, ranges_of
+from tools.campaigns.evidence import NAMES, Outcome, joined, numbers, ranges_of, updated, wilkins
 from tools.campaigns.verdict import verdict
-from tools.evidence import GROUPS, LAWS, ROOT, SERIES, Plates, Tiles, fitted, fitted_law, plates_of, tiles_of
+from tools.evidence import GROUPS, LAWS, ROOT, Plates, fitted, plates_of
 from tools.tables import table, write_tables
 
 PAGE = ROOT / "docs" / "evidence" / "own-tests.md"
@@ -41,53 +40,8 @@ OWN = 2
 SEED = 2
 # Armours that are predicted, by their greatest distance from an own test.
 KINDS = {"all": np.inf, "near": 0.1}
-# Ends of the interval, the velocity that is stopped with 95 %, and the median.
-CHANCES = np.array([0.025, 0.05, 0.5, 0.975])
 # Least share of "95 true", also of fragments near own tests, and of simulated lots, of both, per cent.
 LEAST_TRUE, LEAST_NEAR, LEAST_SIMULATED = 95.0, 94.0, 92.0
-
-
-class Outcome(NamedTuple):
-    """Of limits that were predicted: errors of the median, and whether they lie in the interval and above 95 %."""
-
-    error: Floats
-    within: Floats
-    above: Floats
-    half_width: Floats
-    stated: Floats  # probabilities of more than the computed limit
-    observed: Floats
-
-    @classmethod
-    def of(cls, errors: Floats, mixture: Mixture) -> "Outcome":
-        """Return the outcome, given logarithms of ratios, (n,), and their distributions."""
-        low, stopped, middle, high = (np.log(mixture.quantile(np.full(len(errors), p))) for p in CHANCES)
-        within = (low <= errors) & (errors <= high)
-        shares = within.astype(float), (errors > stopped).astype(float)
-        stated = mixture.probability_above(np.ones(len(errors)))
-        return cls(errors - middle, *shares, 0.5 * (high - low), stated, (errors > 0.0).astype(float))
-
-    def means(self) -> Floats:
-        """Return mean square, mean shares and half-width, and how far what is stated is from what is observed."""
-        off = abs(self.stated.mean() - self.observed.mean())
-        return np.array([np.mean(self.error**2), self.within.mean(), self.above.mean(), self.half_width.mean(), off])
-
-
-def joined(parts: Sequence[Outcome]) -> Outcome:
-    """Return outcomes as one."""
-    return Outcome(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
-
-def numbers(means: Floats) -> list[str]:
-    """Return RMS, shares and half-width of a row, per cent."""
-    square, *shares, _ = means
-    return [f"{100.0 * square**0.5:.1f}", *(f"{100.0 * share:.0f}" for share in shares[:2]), f"{100.0 * shares[2]:.1f}"]
-
-
-def updated(fit: Fit, tests: Plates | Tiles, extra_deviation: float = 0.0) -> Fit:
-    """Return the fit for the lot of own tests, whose limits were measured exactly."""
-    nothing = np.zeros(len(tests.error))
-    own = LotTests(tests.quantities, tests.error, nothing, nothing, np.arange(len(nothing)))
-    return fit.of_lot(extra_deviation).given(own)
 
 
 def lots_of(group_name: str, own: int, draws: int = DRAWS) -> Iterator[dict[str, Floats]]:
@@ -151,24 +105,6 @@ def _left_out(group_name: str, alloy: str) -> tuple[Fit, dict[str, tuple[float, 
     plates = plates_of(group.kind, group.metal)
     rest = plates.at(plates.alloy != alloy)
     return fitted(group, rest), ranges_of(rest)
-
-
-def wilkins(own: int) -> Outcome:
-    """Predict the tests of each of Wilkins' series from all choices of some of them, the series left out of the fit."""
-    tiles, found = {name: tiles_of(law) for name, law in LAWS.items()}, []
-    first = tiles["constant"]
-    for series in range(3):
-        left = [fitted_law(law, tiles[name].at(series != SERIES))[0] for name, law in LAWS.items()]
-        places = np.flatnonzero(series == SERIES)
-        for some in map(np.array, combinations(places, own)):
-            rest, fits_of = np.setdiff1d(places, some), left
-            if own:
-                fits_of = [updated(fit, of.at(some), STRANGE) for fit, of in zip(left, tiles.values(), strict=True)]
-            shifts = [first.error[rest] - of.error[rest] for of in tiles.values()]
-            found.append(
-                Outcome.of(first.error[rest], mixture_of(fits_of, first.at(rest).quantities).times(np.exp(shifts)))
-            )
-    return joined(found)
 
 
 # Armours of simulated own tests, and of what is predicted, mm.

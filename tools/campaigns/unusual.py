@@ -60,8 +60,8 @@ def covered() -> dict[str, tuple[float, float]]:
     return found
 
 
-def designs_within(factor: float, count: int, like: Variants) -> Variants:
-    """Return designs with every quantity up to a factor outside of what the model was compared with."""
+def rows_within(factor: float, count: int) -> Floats:
+    """Return parameters of designs with every quantity up to a factor outside of what the model was compared with."""
     rng = np.random.default_rng(11)
     of = {
         name: np.exp(rng.uniform(np.log(low / factor), np.log(high * factor), count))
@@ -85,8 +85,7 @@ def designs_within(factor: float, count: int, like: Variants) -> Variants:
         "shear_law": rng.integers(0, len(SHEAR_LAWS), count),
         "drive_law": rng.integers(0, len(DRIVE_LAWS), count),
     }
-    parameters = np.column_stack([columns.get(name, zero) for name in Parameters._fields])
-    return variants(parameters, zero, like.scenario)
+    return np.column_stack([columns.get(name, zero) for name in Parameters._fields])
 
 
 def outcomes(designs: Variants, velocities: Floats) -> Bools:
@@ -151,9 +150,12 @@ def main() -> int:
     """Print the comparison."""
     options = asked(__doc__, designs=2_000, nearly=10_000, thicknesses=500)
     unusual = unusual_designs(options.designs, seed=24)
+    nearly_rows, usual_rows = (rows_within(factor, options.nearly) for factor in (UNUSUAL_FACTOR, 1.0))
     wrong, told = compare_limits("unusual armours", unusual)
-    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(UNUSUAL_FACTOR, options.nearly, unusual))
-    usual, told_usual = compare_limits("within the ranges", designs_within(1.0, options.nearly, unusual))
+    nearly, told_nearly = compare_limits(
+        "nearly unusual ones", variants(nearly_rows, nearly_rows[:, 0], unusual.scenario)
+    )
+    usual, told_usual = compare_limits("within the ranges", variants(usual_rows, usual_rows[:, 0], unusual.scenario))
     thicknesses = compare_thicknesses(unusual.at(slice(options.thicknesses)))
     return verdict(
         f"limits too high: {told}, {told_nearly}, {told_usual}; "

@@ -10,7 +10,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from ctypes import CDLL, c_double, c_long
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -27,7 +26,7 @@ from tests.helpers.runs import perforates, random_designs
 from tests.numerics.reference import Reference
 from tools.tables import table, write_tables
 
-PAGE = Path(__file__).parents[2] / "docs" / "performance.md"
+PAGE = Path(__file__).parents[1] / "docs" / "performance.md"
 OPTIMUM = "paper/optimum_7.62mm_AP"
 WAITED_FOR = (
     *("--help", "simulate wilkins", "ballistic-limit wilkins", "check wilkins", f"optimise {OPTIMUM}"),
@@ -35,16 +34,13 @@ WAITED_FOR = (
     *("calibrate tests/wilkins wilkins", "plan shots wilkins", "validate"),
 )
 TURNS = 3
-COUNT, MANY_TURNS = 1000, 60
+COUNT = 1000
 # Designs for methods that take hundreds of times as long.
 SOME = slice(None, None, 25)
 LOW, HIGH, TOLERANCE = 20.0, 4000.0, 3.5e-4  # m/s
 SETTINGS = batch.DEFAULT_SETTINGS
 # Tolerance and longest step, diameters, of scipy's LSODA: with looser ones limits are off by more than the engine's.
 TOLERANCE_OF_LSODA, LONGEST_STEP = 1e-7, 0.005
-# What numba asks of LLVM: all of the processor's instructions, no rounding changed, and errno not set.
-FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno")
-SOURCE = Path(__file__).with_name("reference.c")
 
 
 def optimise_grid(designs: int) -> list[str]:
@@ -95,85 +91,42 @@ def grown(unit: str, folder: str) -> list[str]:
     return [unit, f"{fixed:.1f}", f"{1e6 * each:.2g}", f"{numbers[-1]:,}: {seconds[-1]:.1f} s"]
 
 
-def time_of(call: Callable[[], Any], turns: int) -> float:
+def time_of(call: Callable[[], Any]) -> float:
     """Return the median time of a call, s, after one that warms."""
     call()
     times = []
-    for _ in range(turns):
+    for _ in range(TURNS):
         start = process_time()
         call()
         times.append(process_time() - start)
     return median(times)
 
 
-class InC:
-    """The reference in C, compiled in a folder."""
-
-    def __init__(self, folder: str) -> None:
-        library = f"{folder}/reference.so"
-        subprocess.run(["cc", *FLAGS, "-shared", "-fPIC", "-o", library, str(SOURCE), "-lm"], check=True)
-        self.library = CDLL(library)
-
-    def _computed(self, name: str, inputs: list[np.ndarray], search: list[Any], width: int) -> Any:
-        rows = inputs[0]
-        solver = c_double(SETTINGS.V_arrest), c_double(SETTINGS.dt), c_long(SETTINGS.max_steps)
-        counts, ends = np.empty((len(rows), 2), np.int64), np.empty((len(rows), width))
-        pointers = [array.ctypes for array in (*inputs, counts, ends)]
-        getattr(self.library, name)(*pointers[:-2], c_long(len(rows)), *search, *solver, *pointers[-2:])
-        return counts, ends
-
-    def impacts(self, rows: np.ndarray, velocities: np.ndarray) -> batch.ImpactBatch:
-        """Compute the same as `armour.engine.batch.impacts`."""
-        counts, ends = self._computed("impacts", [rows, velocities], [], 6)
-        t, Z, L, V, W, h = ends.T
-        return batch.ImpactBatch(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
-
-    def ballistic_limits(self, rows: np.ndarray) -> batch.Brackets:
-        """Compute the same as `armour.engine.batch.ballistic_limits`."""
-        velocities = np.array(scan(LOW, HIGH))
-        search = [velocities.ctypes, c_long(len(velocities)), c_double(TOLERANCE)]
-        counts, ends = self._computed("ballistic_limits", [rows], search, 2)
-        return batch.Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
-
-
-def compare(by_engine: Callable[[], Any], by_c: Callable[[], Any]) -> None:
-    """Raise an error unless two calls give the same numbers, to the last bit."""
-    found, expected = (np.array([*call()], dtype=float) for call in (by_c, by_engine))
-    if different := int((found != expected).any(axis=0).sum()):
-        raise ValueError(f"{SOURCE}: the numbers of {different} designs differ from the engine's")
-
-
-def methods(folder: str) -> Iterator[list[str]]:
+def methods() -> Iterator[list[str]]:
     """Yield the times of an impact and of a ballistic limit by each method, µs."""
-    c = InC(folder)
-    # The numbers are compared by every law; the times are those of the default.
     designs = [p._replace(drive_law=STRENGTH) for p in random_designs(COUNT)]
-    for rows in (batch.packed(random_designs(COUNT)), batch.packed(designs)):
-        limits = partial(batch.ballistic_limits, rows, LOW, HIGH, TOLERANCE, threads=1)
-        near = 1.05 * limits().perforated
-        impacts = partial(batch.impacts, rows, near, threads=1)
-        compare(impacts, partial(c.impacts, rows, near))
-        compare(limits, partial(c.ballistic_limits, rows))
+    rows = batch.packed(designs)
+    limits = partial(batch.ballistic_limits, rows, LOW, HIGH, TOLERANCE, threads=1)
+    near = 1.05 * limits().perforated
     # As numbers of Python: those of numpy are slower in plain Python.
     some = [*zip(designs[SOME], near[SOME].tolist(), strict=True)]
     settings = scan(LOW, HIGH), TOLERANCE, SETTINGS.V_arrest, 0.0, SETTINGS.max_steps
-    calls: dict[str, tuple[int, int, list[Callable[[], Any]]]] = {
-        "C": (COUNT, MANY_TURNS, [partial(c.impacts, rows, near), partial(c.ballistic_limits, rows)]),
-        "engine": (COUNT, MANY_TURNS, [impacts, limits]),
+    calls: dict[str, tuple[int, list[Callable[[], Any]]]] = {
+        "engine": (COUNT, [partial(batch.impacts, rows, near, threads=1), limits]),
         "plain Python": (
-            *(len(some), TURNS),
+            len(some),
             [
                 lambda: [perforates(p, V) for p, V in some],
                 lambda: [find_ballistic_limit(p, *settings) for p, _ in some],
             ],
         ),
         "scipy's LSODA": (
-            *(len(some), TURNS),
+            len(some),
             [lambda: [Reference(p, V, "LSODA", TOLERANCE_OF_LSODA, LONGEST_STEP).perforated for p, V in some]],
         ),
     }
-    for name, (count, turns, of_method) in calls.items():
-        times = [1e6 * time_of(call, turns) / count for call in of_method]
+    for name, (count, of_method) in calls.items():
+        times = [1e6 * time_of(call) / count for call in of_method]
         yield [name, *(f"{time:,.{int(time < 1e3)}f}" for time in times), *[""] * (2 - len(times))]
 
 
@@ -185,12 +138,11 @@ def main() -> None:
             for command in WAITED_FOR
         ]
         growth = [grown(unit, folder) for unit in GROWING]
-        by_method = [*methods(folder)]
     write_tables(
         PAGE,
         table(("command", "s"), waits),
         table(("for each", "fixed, s", "each, µs", "example"), growth),
-        table(("method", "impact, µs", "limit, µs"), by_method),
+        table(("method", "impact, µs", "limit, µs"), [*methods()]),
     )
 
 
