@@ -4,10 +4,9 @@ The armours are of the paper's materials, bare plates, and up to a factor of two
 reference has steps 100 times shorter, everywhere.  A limit is within a distance of it if, by these steps, an impact
 faster than the limit by the distance perforates and one slower by it is stopped.
 
-    python -m tools.campaigns.accuracy
+    python -m tools.campaigns accuracy
 """
 
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -91,7 +90,3 @@ def main() -> int:
             texts.append(f"{name} {known.max():.4f} ({len(known):,} limits)")
             over += int((known > 1.0001 * CLAIMED[name]).sum())
     return verdict(f"greatest error, m/s: {', '.join(texts)}", right=not over)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,18 +1,16 @@
 """Count how often the intervals that the commands state contain the truth, in simulated tests.
 
-    python -m tools.campaigns.coverage [EXPERIMENT]... [--samples N] [--seed N]
+    python -m tools.campaigns "coverage curves --samples 100"
 
-runs the named experiments, by default all.
+runs an experiment; without a name, all.
 """
 
-import argparse
-import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from math import sqrt
 
 from tools.campaigns import calibrations, curves, firings, uncertainties
-from tools.campaigns.verdict import Share, verdict
+from tools.campaigns.verdict import Share, asked, verdict
 
 # Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
 EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
@@ -26,7 +24,7 @@ EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
 }
 
 
-def run(name: str, samples: int | None, seed: int) -> int:
+def run(name: str, samples: int, seed: int) -> int:
     """Run an experiment and print its shares; the exit code is 3 if one is less than it must be."""
     (shares, usual), judged = EXPERIMENTS[name], []
     for share in shares(samples or usual, seed):
@@ -40,13 +38,5 @@ def run(name: str, samples: int | None, seed: int) -> int:
 
 def main() -> int:
     """Run experiments; the exit code is 3 if a share is less than it must be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("experiments", nargs="*", metavar="EXPERIMENT", help=", ".join(EXPERIMENTS))
-    parser.add_argument("--samples", type=int, help="of each case")
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    return max(run(name, options.samples, options.seed) for name in options.experiments or EXPERIMENTS)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    options = asked(__doc__, samples=0, seed=1)
+    return max(run(name, options.samples, options.seed) for name in options.words or EXPERIMENTS)

@@ -1,12 +1,11 @@
 """Predict tests left out of the fits of the model error, also by simpler rules, and fill docs/evidence/left-out.md.
 
-    python -m tools.campaigns.evidence
+    python -m tools.campaigns evidence
 
 Of bare plates, one alloy at a time is left out of the fit and predicted; or the tests at one end of the range of a
 property; of AD85, one series of tests.
 """
 
-import sys
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise
@@ -346,7 +345,3 @@ def main() -> int:
     PICTURE.write_bytes(saved(drawn(picture, Sheet()).figure, ".png"))
     text = f"95 % intervals contain {min(within):.0f} to {max(within):.0f} % of the tests of alloys left out, by group"
     return verdict(text, right=min(within) >= LEAST_PERCENT)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

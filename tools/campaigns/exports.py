@@ -1,13 +1,12 @@
 """Read random tables of shots as spreadsheets of three languages write them, and compare with what they hold.
 
-    python -m tools.campaigns.exports [--tables N] [--seed N]
+    python -m tools.campaigns exports
 
 A table is read, or read with its remarks quoted, or refused as a column divides its shots; it is then right once this
 column is chosen by or ignored. One that is read to other numbers, results or rows is wrong, and so is a remark by which
 a shot does not count, if it is not quoted.
 """
 
-import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
@@ -36,7 +35,3 @@ def main() -> int:
     text = f"{options.tables:,} tables: {words}, {wrong} wrong"
     is_enough = counts["read"] + counts["quoted"] >= LEAST_READ * options.tables
     return verdict(text, right=not wrong and is_enough)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Run commands in hostile folders, drawn at random: nothing in the folder is run, obeyed or overwritten.
 
-    python -m tools.campaigns.folder [--trials N] [--seed N]
+    python -m tools.campaigns folder
 
 A folder has modules with the names of what Python and the installed distributions import, files that programs and
 shells read as settings, links to files of the user, stores of unfinished sweeps and names that look like options.  The
@@ -150,7 +150,3 @@ def main() -> int:
             yield trial(place / str(number), Random(f"{options.seed} {number}"), answers)
 
     return run(folders)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

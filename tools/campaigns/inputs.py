@@ -3,12 +3,11 @@
 A command may end with exit codes 0 to 3 only, within 60 s of computing on all cores and 1 GiB; it prints no traceback,
 answers and files contain no NaN or infinity, and a command that fails leaves no file.
 
-    python -m tools.campaigns.inputs --trials 20000 --seed 1
+    python -m tools.campaigns inputs
 
 The commands and their options are those of the program.
 """
 
-import argparse
 import codecs
 import csv
 import json
@@ -39,7 +38,7 @@ from armour.reporting.junit import BEGINNING
 from tests.helpers.spreadsheets import export
 from tools.budget import commands
 from tools.campaigns.trials import ERROR, forked
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 ROOT = Path(__file__).resolve().parents[2]
 # Time of computing on all cores, and any.
@@ -464,8 +463,7 @@ def warm_up() -> None:
     examples = [example for group in SHOWN.values() for command in group for example in told(command)[1]]
     for example in (*examples, "armour optimise wilkins --map m.html"):
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
-            found = CliRunner().invoke(app, example.removeprefix("armour "))
-            assert found.exit_code in (DONE, CHECK_FAILED), (example, found.output)
+            CliRunner().invoke(app, example.removeprefix("armour "))
     import pyarrow.csv
     import pyarrow.parquet  # noqa: F401
 
@@ -512,30 +510,23 @@ def malformed(path: Path) -> list[str]:
 
 def main() -> int:
     """Run the trials and print what was wrong."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--trials", type=int, default=20_000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int, help="run the trial of this number alone and show it")
-    arguments = parser.parse_args()
+    options = asked(__doc__, trials=20_000, seed=1)
     warm_up()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if arguments.only is not None:
-        show(arguments.seed, arguments.only)
-        return 0
     codes: defaultdict[str, Counter[int]] = defaultdict(Counter)
     kinds: Counter[str] = Counter()
-    options: set[tuple[str, str]] = set()
+    given: set[tuple[str, str]] = set()
     slowest = largest = 0.0
     with ProcessPoolExecutor(available_cores(), get_context("fork")) as pool:
-        numbers = range(arguments.trials)
-        for number, (made, outcome) in enumerate(pool.map(partial(tried, arguments.seed), numbers, chunksize=10)):
+        trials = pool.map(partial(tried, options.seed), range(options.trials), chunksize=10)
+        for number, (made, outcome) in enumerate(trials):
             codes[made.command][outcome.code] += 1
-            options |= {(made.command, word) for word in made.arguments if word.startswith("--")}
+            given |= {(made.command, word) for word in made.arguments if word.startswith("--")}
             slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
             kinds.update({f"{made.command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
             if outcome.faults:
                 told = f"{outcome.code} {outcome.seconds:.1f} s"
-                print(number, made.arguments, told, outcome.faults, outcome.stderr[-TOLD:], flush=True)
+                print(number, made.arguments, made.files, told, outcome.faults, outcome.stderr[-TOLD:], flush=True)
     for command, found in sorted(codes.items()):
         ends = ", ".join(f"exit code {code}: {count}" for code, count in sorted(found.items()))
         print(f"{command:20} {ends}")
@@ -545,7 +536,7 @@ def main() -> int:
         print(f"{count} times: {kind}")
     ended = sum(codes.values(), Counter())
     return verdict(
-        f"{ended.total():,} trials of {len(codes)} commands with {len(options)} options, {ended[DONE]:,} of which "
+        f"{ended.total():,} trials of {len(codes)} commands with {len(given)} options, {ended[DONE]:,} of which "
         f"ended with exit code 0: {kinds.total()} faults; at most {slowest:.0f} s and {largest:.0f} MiB",
         right=not kinds,
     )
@@ -558,15 +549,3 @@ def tried(seed: int, number: int) -> tuple[Trial, Outcome]:
         folder = Path(name) / "work"
         folder.mkdir()
         return made, run(made, folder)
-
-
-def show(seed: int, number: int) -> None:
-    """Run a trial and print all of it."""
-    made, outcome = tried(seed, number)
-    print(made.arguments, outcome.code, f"{outcome.seconds:.1f} s", outcome.faults, outcome.stderr)
-    for file, content in made.files.items():
-        print(f"--- {file}\n{content.decode(errors='replace')}")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

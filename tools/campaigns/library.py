@@ -1,6 +1,6 @@
 """Damage the compiled code, remove it, plant others, and compute: no number may be wrong, and no foreign code may run.
 
-    python -m tools.campaigns.library
+    python -m tools.campaigns library
 
 Each trial is a process with a copy of the package.
 """
@@ -117,5 +117,6 @@ def planted(folder: Path) -> Iterator[str]:
         yield f"{WRONG}: foreign code ran" if ran.exists() else outcome
 
 
-if __name__ == "__main__":
-    sys.exit(run(damages, others, planted))
+def main() -> int:
+    """Print how the trials ended."""
+    return run(damages, others, planted)

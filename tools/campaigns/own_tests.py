@@ -1,6 +1,6 @@
 """Predict real and simulated armours from own tests of their lots, and fill docs/evidence/own-tests.md.
 
-    python -m tools.campaigns.own_tests
+    python -m tools.campaigns own_tests
 
 Of bare plates, an alloy is left out of the fit, and a few of its tests against a round are the own ones of a lot; the
 others of the lot are predicted.  Of AD85, a series of Wilkins' tests is left out, some of its tests are the own ones,
@@ -8,7 +8,6 @@ and the others of it are predicted.  Simulated lots of armour with a ceramic fol
 stress, each as often.
 """
 
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
@@ -243,7 +242,3 @@ def main() -> int:
     wrong += [f"simulated lots: {least:.1f} %"] * bool(least < LEAST_SIMULATED)
     text = f"of simulated lots at least {least:.1f} % are right; not as demanded: {'; '.join(wrong) or 'nothing'}"
     return verdict(text, right=not wrong)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

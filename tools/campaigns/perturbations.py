@@ -2,14 +2,13 @@
 
 A case that stays within its band whatever changes by up to 20 % is no case: it may be shown, but must not be scored.
 
-    python -m tools.campaigns.perturbations
+    python -m tools.campaigns perturbations
 
 prints the least change of a single input that makes each scored case and table leave its band, and exits with 3 if
 there is none for some. The velocity of the crack is changed through Young's modulus. The mass of the penetrator is kept
 where its diameter or density changes, which changes its length: this too must be by at most 20 %.
 """
 
-import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -117,7 +116,3 @@ def main() -> int:
     return verdict(
         f"{len(scored(suite)) - len(left)} of {len(scored(suite))} scored values leave their bands", right=not left
     )
-
-
-if __name__ == "__main__":
-    sys.exit(main())

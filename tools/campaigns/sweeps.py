@@ -1,13 +1,12 @@
 """Kill sweeps, start two to one output, and fill disks: each ends right or with a message.
 
-python -m tools.campaigns.sweeps
+python -m tools.campaigns sweeps
 """
 
 import os
 import random
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -121,7 +120,3 @@ def main() -> int:
                 sweep_s[0] = min(sweep_s[0], time.monotonic() - start)
                 references[f".{ending}", quantities] = output.read_bytes()
     return run(kills, pairs, full)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

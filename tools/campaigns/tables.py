@@ -1,12 +1,11 @@
 """Record shots in pairs, kill the commands that record them, and save the table meanwhile: no shot may be lost.
 
-python -m tools.campaigns.tables
+python -m tools.campaigns tables
 """
 
 import os
 import random
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -114,7 +113,3 @@ def main() -> int:
             assert exit_code(forked(recorded, table, 720.0)) == 0
             command_s[0] = time.monotonic() - start
     return run(pairs, steps, saves)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

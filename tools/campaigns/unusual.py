@@ -5,10 +5,8 @@ outcome that 1,025 velocities see, 1 to 10,000 m/s, or if a lower one is found t
 bracket confirm. Designs inside of what the model was compared with, and up to a factor of two outside, are compared in
 the same way. A least ceramic thickness is compared with a scan that is four times as dense.
 
-    python -m tools.campaigns.unusual
+    python -m tools.campaigns unusual
 """
-
-import sys
 
 import numpy as np
 
@@ -162,7 +160,3 @@ def main() -> int:
         f"least thicknesses that differ: {thicknesses} of {options.thicknesses:,}",
         right=not wrong and not usual and not thicknesses and nearly <= MOST * options.nearly,
     )
-
-
-if __name__ == "__main__":
-    sys.exit(main())

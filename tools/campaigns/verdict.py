@@ -7,8 +7,9 @@ RESULT, WRONG = "result: ", 3
 
 
 def asked(words: str | None, **usual: int) -> Namespace:
-    """Return the numbers that options ask for, such as ``--trials``, or the usual ones."""
+    """Return the numbers that options ask for, such as ``--trials``, or the usual ones; and the other words."""
     parser = ArgumentParser(description=words)
+    parser.add_argument("words", nargs="*")
     for name, number in usual.items():
         parser.add_argument(f"--{name}", type=int, default=number)
     return parser.parse_args()
