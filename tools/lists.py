@@ -145,16 +145,9 @@ def count_words() -> str:
 
 
 def library(kind: Any) -> str:
-    """Return a table of the entries of a kind, with what each was tested with and links to the values."""
-    [table] = tables_by_kind({kind: named_threats() if kind == "threat" else armour.shipped_library().entries[kind]})
-    head, rule, *rows = (line.split(" | ", 1) for line in markdown_table(table).splitlines())
-    lines = [f"{head[0]} | tested with | {head[1]}", f"{rule[0]} | --- | {rule[1]}"]
-    for (name, *cells), (_, values) in zip(table.texts(), rows, strict=True):
-        key: tuple[Any, str] = ("projectile", cells[1]) if kind == "threat" else (kind, name)
-        first, *others = tested_with().get(key, [""])
-        tests = f"{first} and {len(others)} more" if others else first
-        lines.append(f"| [{name}](library/{kind}s.md#{_anchor(name)}) | {tests} | {values}")
-    return "\n".join(lines)
+    """Return a table of the entries of a kind."""
+    entries_of_kind = named_threats() if kind == "threat" else armour.shipped_library().entries[kind]
+    return markdown_table(*tables_by_kind({kind: entries_of_kind}))
 
 
 def entries(kind: Kind) -> str:

@@ -6,7 +6,6 @@ returns, unless `tools.lists` has written it into the page.
 
 import re
 import sys
-from functools import partial
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -23,19 +22,6 @@ from tools.budget import LIST
 DOCS = Path(__file__).parents[1] / "docs"
 # Pages of the site whose text is kept elsewhere in the repository.
 OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
-# Weight in the search, by folder or page: pages that answer a question come before those that list names, and those on
-# the project itself last.
-WEIGHTS = {"howto": 10.0, "learn": 1.0, "tutorials": 3.0, "reference": 0.1, "reference/api": 0.02}
-LAST = (
-    "changes",
-    "contributing",
-    "design",
-    "performance",
-    "evidence/campaigns",
-    "evidence/left-out",
-    "evidence/own-tests",
-)
-WEIGHTS |= dict.fromkeys(["study.ipynb", *(f"{page}.md" for page in LAST)], 0.02)
 
 
 def names(package: str) -> list[str]:
@@ -74,13 +60,10 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Fill a page, rank it for the search, name links by titles, and make links of the keys of the bibliography."""
-    path = page.file.src_uri
-    page.meta["search"] = {"boost": WEIGHTS.get(path, WEIGHTS.get(path.rpartition("/")[0], 1.0))}
-    up = "../" * path.count("/")
-    titled = partial(_titled, (DOCS / path).parent)
-    text = re.sub(r"\[[\w/-]+\.(?:md|ipynb)\]\(([^)#]+)", titled, _inside(markdown, f"../{up}"))
-    text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in lists.sources() else key[0], filled(text))
+    """Fill a page, and make links of the keys of the bibliography."""
+    up = "../" * page.file.src_uri.count("/")
+    markdown = filled(_inside(markdown, f"../{up}"))
+    text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in lists.sources() else key[0], markdown)
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in lists.sources())])
 
 
@@ -118,11 +101,3 @@ def _inside(markdown: str, up: str) -> str:
     for page, source in OUTSIDE.items():
         markdown = markdown.replace(f"]({up}{source}", f"]({up.removeprefix('../')}{page}")
     return markdown
-
-
-def _titled(folder: Path, link: re.Match[str]) -> str:
-    """Return the beginning of a link whose text is a path, with the title of the page in place of the path."""
-    path = folder / link[1]
-    source = path if path.exists() else DOCS.parent / OUTSIDE[path.name]
-    title = re.search(r"^# (.+)$", source.read_text(encoding="utf-8"), re.MULTILINE)
-    return f"[{title[1] if title else 'the notebook'}]({link[1]}"

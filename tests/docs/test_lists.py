@@ -8,7 +8,6 @@ import pytest
 
 from armour.cli.app import app
 from armour.scenario.scenario import scenario_schema
-from tests.helpers.commands import invoke
 
 pytestmark = pytest.mark.slow
 
@@ -40,13 +39,3 @@ def test_the_links_of_the_page_of_keys_lead_to_its_sections(lists):
     anchors = {lists.slugify(heading.replace("`", ""), "-") for heading in re.findall(r"^## (.+)$", text, re.MULTILINE)}
     assert set(re.findall(r"\]\(#([^)]+)\)", text)) <= anchors
     assert len(anchors) == len(set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(scenario_schema())))) + 1
-
-
-@pytest.mark.parametrize("kind", ["threat", "projectile", "metal", "ceramic"])
-def test_a_table_of_the_library_links_every_name_to_its_values_and_says_what_it_was_tested_with(lists, kind):
-    rows = re.findall(rf"^\| \[(.+)\]\(library/{kind}s\.md#(\S+)\) \| (.*?) ?\|", lists.library(kind), re.MULTILINE)
-    page = (DOCS / "reference" / "library" / f"{kind}s.md").read_text(encoding="utf-8")
-    assert [name for name, _, _ in rows] == re.findall(r"^## (.+)$", page, re.MULTILINE)
-    assert all(anchor == lists.slugify(name, "-") for name, anchor, _ in rows)
-    listed = json.loads(invoke(["library", f"{kind}s", "--tested", "--json"]).stdout)[kind]
-    assert {name for name, _, tests in rows if tests} == {*listed}

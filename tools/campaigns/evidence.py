@@ -255,8 +255,8 @@ def ends(name: str) -> Iterator[list[str]]:
 def angles() -> Iterator[list[str]]:
     """Give by how much limits at an angle exceed the greatest at normal incidence of the same plate and round."""
     pairs = matched_pairs()
-    for angle in sorted({pair.obliquity_deg for pair in pairs}):
-        more = [100.0 * (pair.limit_m_s / pair.at_normal_m_s - 1.0) for pair in pairs if pair.obliquity_deg == angle]
+    for angle in sorted({angle for angle, _ in pairs}):
+        more = [100.0 * (ratio - 1.0) for of_angle, ratio in pairs if of_angle == angle]
         yield [f"{angle:g}", f"{len(more)}", f"{min(more):+.0f}", f"{max(more):+.0f}"]
 
 

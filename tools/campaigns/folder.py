@@ -32,16 +32,10 @@ NAMES = ("armour", "cat", "chromium", "git", "latex", "ldconfig", "less", "pytho
 # Settings by file, all of which would run or change something: {ran} is a file to leave, {keys} one of the user's.
 SETTINGS = {
     ".env": "PYTHONPATH=.\n",
-    ".pdbrc": "import os; os.system('touch {ran}')\n",
-    ".python-version": "2.7\n",
-    "dask.yaml": "temporary-directory: {keys}\n",
-    "distributed.yaml": "distributed: {{worker: {{preload: [pip]}}}}\n",
     "matplotlibrc": "backend: module://pip\ntext.usetex: True\nsavefig.format: xyz\n",
     "pip.conf": "[global]\nindex-url = file:///nowhere\n",
     "pyproject.toml": '[tool.coverage.run]\nplugins = ["pip"]\n[build-system]\nrequires = ["pip"]\n',
-    "pytest.ini": "[pytest]\naddopts = -p pip\n",
     "pyvenv.cfg": "home = /nowhere\n",
-    "setup.cfg": "[tool:pytest]\naddopts = -p pip\n",
     "armour.toml": "[solver]\ntime_step_us = 50\n",
     "x.pth": "import os; os.system('touch {ran}')\n",
     "wilkins": "not a scenario\n",

@@ -19,7 +19,7 @@ import numpy as np
 
 from armour.analysis.variants import Floats, ballistic_limits, variants_of
 from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
-from armour.evidence.tests import FALSE_ALARMS, STRANGE, STRANGE_METAL, Materials
+from armour.evidence.tests import STRANGE, STRANGE_METAL, Materials
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import with_ceramic
@@ -77,24 +77,6 @@ def _lots(group_name: str) -> Iterator[tuple[str, Plates]]:
     plates = plates_of(group.kind, group.metal)
     for alloy, fired in sorted(set(zip(plates.alloy.tolist(), plates.round.tolist(), strict=True))):
         yield alloy, plates.at((plates.alloy == alloy) & (plates.round == fired))
-
-
-def warned_of(group_name: str, own: int) -> Iterator[Floats]:
-    """Return, of each lot, how often its own tests are warned of, and one of them if its limit is 25 % higher."""
-    for alloy, lot in _lots(group_name):
-        (fit, _), dice = _left_out(group_name, alloy), np.random.default_rng([SEED, own])
-        if len(lot.error) >= own:
-            draws = [lot.at(some) for some in choices(len(lot.error), own, DRAWS, dice)]
-            sound = [doubtful(fit, tests.quantities, tests.error).any() for tests in draws]
-            higher = [doubtful(fit, t.quantities, t.error + np.log(1.25) * (np.arange(own) == 0))[0] for t in draws]
-            yield np.array([np.mean(sound), np.mean(higher)])
-
-
-def doubtful(fit: Fit, q: Any, errors: Floats) -> Any:
-    """Return which own tests, whose limits were measured exactly, are out of line, (n,)."""
-    nothing = np.zeros(len(errors))
-    tests = LotTests(q, errors, nothing, nothing, np.arange(len(errors)))
-    return fit.of_lot().probabilities_of_farther(tests) * len(errors) < FALSE_ALARMS
 
 
 @cache
@@ -209,7 +191,7 @@ def untested(dice: Any) -> dict[str, Outcome]:
 
 def main() -> int:
     """Write the tables of the page."""
-    of_plates, of_warnings, wrong = [], [], list[str]()
+    of_plates, wrong = [], list[str]()
     for name in PLATES:
         for own in (0, 1, 3):
             lots = list(lots_of(name, own))
@@ -220,10 +202,6 @@ def main() -> int:
                 of_plates.append([NAMES[name], f"{own}", kind, f"{len(known)}", *numbers(means), off])
                 required = LEAST_NEAR if kind == "near" and name == "fragments_aluminium" else LEAST_TRUE
                 wrong += [f"95 true: {name} {own} {kind}"] * bool(own and 100.0 * means[2] < required)
-        for own in (2, 5):
-            shares_of_lots = np.array(list(warned_of(name, own)))
-            row = [f"{100.0 * share:.1f}" for share in (*shares_of_lots.mean(axis=0), shares_of_lots[:, 0].max())]
-            of_warnings.append([NAMES[name], f"{own}", f"{len(shares_of_lots)}", *row])
     simulations = {"SiC, not tested before": untested(np.random.default_rng(OWN))}
     for case in CASES:
         dice = [np.random.default_rng([OWN, number]) for number in range(len(SCATTERS))]
@@ -237,7 +215,6 @@ def main() -> int:
         table(("tests of", "own tests", "armours", "lots", *head, "off"), of_plates),
         table(("own tests", *head), [[f"{own}", *numbers(wilkins(own).means())] for own in (0, 1, 2, 3)]),
         table(("lots", "armour", *head), [[*names, *numbers(means)] for names, means in of_lots.items()]),
-        table(("tests of", "own tests", "lots", "sound", "25 % too high", "sound, of one lot"), of_warnings),
     )
     wrong += [f"simulated lots: {least:.1f} %"] * bool(least < LEAST_SIMULATED)
     text = f"of simulated lots at least {least:.1f} % are right; not as demanded: {'; '.join(wrong) or 'nothing'}"
