@@ -95,7 +95,7 @@ def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
     """Return the values that a key may have, in words."""
     if "$ref" in content:
         place = places[content["$ref"].rsplit("/", 1)[1]]
-        return f"[{place}](#{_anchor(place)})"
+        return f"[{place}](#{slugify(place.replace('`', ''), '-')})"
     if found := content.get("anyOf") or content.get("oneOf"):
         return " or ".join(_kind(part, places) for part in found if part.get("type") != "null")
     if "const" in content or "enum" in content:
@@ -110,10 +110,6 @@ def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
     bounds = [f"{sign} {content[word]:g}" for word, sign in signs.items() if word in content]
     kind = {"string": "text", "boolean": "`true`, `false`", "integer": "whole number"}.get(content["type"], "number")
     return ", ".join([kind, *bounds])
-
-
-def _anchor(heading: str) -> str:
-    return str(slugify(heading.replace("`", ""), "-"))
 
 
 def inputs() -> str:

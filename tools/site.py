@@ -24,15 +24,11 @@ DOCS = Path(__file__).parents[1] / "docs"
 OUTSIDE = {"contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 
 
-def names(package: str) -> list[str]:
-    """Return the public names of a package, functions first."""
-    public = (name for name in dir(armour) if getattr(armour, name).__module__.split(".")[1] == package)
-    return sorted(public, key=lambda name: isinstance(getattr(armour, name), type))
-
-
 def api(package: str) -> str:
-    """Return the directives of mkdocstrings for the public names of a package."""
-    return "\n\n".join(f"::: armour.{name}" for name in names(package))
+    """Return the directives of mkdocstrings for the public names of a package, functions first."""
+    public = (name for name in dir(armour) if getattr(armour, name).__module__.split(".")[1] == package)
+    names = sorted(public, key=lambda name: isinstance(getattr(armour, name), type))
+    return "\n\n".join(f"::: armour.{name}" for name in names)
 
 
 def described(*names: str) -> str:

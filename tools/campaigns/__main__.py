@@ -39,15 +39,10 @@ def run(name: str) -> list[str]:
         ended = process.returncode = os.waitstatus_to_exitcode(status)
     ending = ENDINGS.get(ended, f"**ended with exit code {ended}**")
     minutes = f"{(usage.ru_utime + usage.ru_stime) / 60.0:.1f}"
-    version = f"{__version__}, {MODEL_VERSION}, {commit()}, {datetime.now(UTC):%Y-%m-%d}"
+    last_change = ["git", "log", "-1", "--format=%h", "--", "src", "configs"]
+    commit = subprocess.check_output(last_change, cwd=ROOT, text=True).strip()
+    version = f"{__version__}, {MODEL_VERSION}, {commit}, {datetime.now(UTC):%Y-%m-%d}"
     return ["; ".join(results), ending, minutes, version]
-
-
-def commit() -> str:
-    """Return the commit, and whether the program was changed after it."""
-    revision = subprocess.check_output(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True).strip()
-    difference = subprocess.run(["git", "diff", "--quiet", "HEAD", "--", "src", "configs"], cwd=ROOT, check=False)
-    return f"{revision}, changed" if difference.returncode else revision
 
 
 def write(name: str, cells: list[str]) -> None:

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from armour.analysis.estimates import CONFIDENCE
-from armour.statistics.curves import Z95, FittedCurve, ShotLikelihood, curve_of, fit_curve, has_curve
+from armour.statistics.curves import Z95, FittedCurve, Interval, ShotLikelihood, curve_of, fit_curve, has_curve
 from armour.statistics.lots import difference_of
 from armour.statistics.v50 import Shots
 from tools.campaigns.verdict import Share, holds
@@ -99,19 +99,18 @@ def penalised(partial: Sequence[float], complete: Sequence[float]) -> tuple[Shot
     return (shots, fit) if fit else None
 
 
-def held(shots: ShotLikelihood, fit: FittedCurve, scale: float) -> Iterator[str]:
-    """Yield the names of the intervals, and of the one-sided bounds, that hold the true value."""
+def held(shots: ShotLikelihood, fit: FittedCurve, scale: float) -> list[str]:
+    """Return the names of the intervals, and of the one-sided bounds, that hold the true value."""
+    intervals: dict[str, tuple[Interval, float]] = {
+        "scale": (fit.scale_interval_m_s, scale),
+        "probability": (shots.probability_interval(V50 + scale, CONFIDENCE), float(ndtr(1.0))),
+    }
     for name, z in POINTS.items():
-        if holds(shots.velocity_interval(z, CONFIDENCE), V50 + z * scale):
-            yield name
-        if z <= 0.0 and holds((shots.lower_bound(z, CONFIDENCE), None), V50 + z * scale):
-            yield f"lower bound of {name}"
-    if holds(fit.scale_interval_m_s, scale):
-        yield "scale"
-    if holds(shots.probability_interval(V50 + scale, CONFIDENCE), float(ndtr(1.0))):
-        yield "probability"
-    if None in fit.v50_interval_m_s:
-        yield "V50 not bounded"
+        intervals[name] = shots.velocity_interval(z, CONFIDENCE), V50 + z * scale
+        if z <= 0.0:
+            intervals[f"lower bound of {name}"] = (shots.lower_bound(z, CONFIDENCE), None), V50 + z * scale
+    found = [name for name, (interval, true) in intervals.items() if holds(interval, true)]
+    return [*found, *["V50 not bounded"] * (None in fit.v50_interval_m_s)]
 
 
 def shares(cases: Sequence[Case], samples: int, seed: int) -> Iterator[Share]:

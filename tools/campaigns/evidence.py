@@ -140,25 +140,8 @@ def left_out(group: Group, plates: Plates, parts: Sequence[Bools]) -> Predicted:
     for out in parts:
         rest = plates.at(~out)
         found.append(mixture_of([fitted(group, rest)], plates.at(out).quantities, ranges_of(rest)))
-    return _together(plates, parts, found)
-
-
-def constant(plates: Plates, parts: Sequence[Bools]) -> Predicted:
-    """Predict by mean and standard deviation of the other tests."""
-    found = []
-    for out in parts:
-        rest, one = plates.error[~out], np.ones((1, out.sum()))
-        scale, freedom = rest.std(ddof=1) * np.sqrt(1.0 + 1.0 / len(rest)), len(np.unique(plates.alloy[~out])) - 1.0
-        found.append(Mixture(one, rest.mean() * one, scale * one, freedom * one))
-    return _together(plates, parts, found)
-
-
-def _together(plates: Plates, parts: Sequence[Bools], found: Sequence[Mixture]) -> Predicted:
-    weights, locations, scales, freedom = (
-        np.concatenate([mixture[place] for mixture in found], axis=1) for place in range(4)
-    )
-    errors = np.concatenate([plates.error[out] for out in parts])
-    return Predicted(errors, Mixture(weights, locations, scales, freedom))
+    columns = (np.concatenate([mixture[place] for mixture in found], axis=1) for place in range(4))
+    return Predicted(np.concatenate([plates.error[out] for out in parts]), Mixture._make([*columns, True, 1.0]))
 
 
 def by_rule(group: Group, plates: Plates, *, covariates: bool) -> tuple[Group, Plates]:
@@ -182,7 +165,6 @@ def study(name: str) -> tuple[Plates, Predicted, list[list[str]]]:
     found = left_out(group, plates, parts)
     rows = [[NAMES[name], "this model", *found.row()]]
     if name != "cores_aluminium":
-        rows.append([NAMES[name], "mean and standard deviation", *constant(plates, parts).row()])
         for words, covariates in (("k sqrt(Y t D²/m)", False), ("the same, with these terms", True)):
             rows.append([NAMES[name], words, *left_out(*by_rule(group, plates, covariates=covariates), parts).row()])
     return plates, found, rows

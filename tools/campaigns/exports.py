@@ -26,8 +26,6 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="campaign-") as folder:
         for _ in range(options.tables):
             counts[export(dice).ends(Path(folder) / "shots.csv")] += 1
-    for ending, count in counts.most_common():
-        print(f"{count} {ending}", flush=True)
     endings = ("read", "quoted", "refused", "asked")
     wrong = options.tables - sum(counts[ending] for ending in endings)
     shares = ("read", "with remarks quoted", "refused with cause", "right after `--ignore`")

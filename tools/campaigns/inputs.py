@@ -45,8 +45,10 @@ ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S, HANGING_S = 60.0, 600
 LIMIT_MIB = 1024.0
 DONE, NO_ANSWER, WRONG_INPUT, CHECK_FAILED = 0, 1, 2, 3
-# Characters told of a traceback.
-TOLD = 3000
+# In a cell or after a key, and in the data of a map or of JSON; in a table of CSV.
+_DATA = r"[>|=] *-?(nan|inf)\b|(?:[\[,]|\x22:) ?-?(NaN|Infinity)[,\]}]"
+NOT_A_NUMBER = dict.fromkeys((".html", ".md", ".toml", ".json", ".ipynb"), _DATA)
+NOT_A_NUMBER |= {".csv": r"(?im)(?:^|,) *-?(nan|inf|infinity) *(?:,|$)"}
 # Parts of the trials that are gentle, and that read the scenario from standard input.
 GENTLE, PIPED = 0.6, 0.05
 
@@ -334,12 +336,9 @@ WORDS: dict[str, tuple[object, ...]] = {
     "--threads": (1, 2),
     "--samples": (128, 256, 1024, "512"),
     "--only": ("fig09", "fig10", "x", "7.62"),
-    "--format": ("png", "svg"),
     "--fit": ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
     "--law": ("constant", "ceramic", "backing", "product", "linear"),
-    "--pairs": (1, 2, 3, 5),
     "--procedure": ("bayesian", "neyer", "langlie", "up-and-down"),
-    "--seed": (0, 1, 7),
     "--result": ("partial", "complete", "p", "cp"),
 }
 # Ends of numbers, by a part of the name of the option.
@@ -414,12 +413,12 @@ def run(made: Trial, folder: Path) -> Outcome:
     if code not in (DONE, CHECK_FAILED) and (left or set(before) - set(after)):
         faults.append(f"files of a failed command: {left}")
     if code == DONE and "--json" in made.arguments:
-        faults += not_strict_json(stdout)
+        faults += malformed("answer.json", stdout.encode())
     elif code == DONE and not any(re.search(rb"\b(nan|inf)\b", content) for content in made.files.values()):
         # A number is none of these in an input that is accepted, but a title or the name of a shot may be.
         faults += ["nan or inf in the answer"] if re.search(r"(?<![\w\"'=.-])[-+]?(nan|inf)(?![\w\"'])", stdout) else []
     for path in written if code in (DONE, CHECK_FAILED) else ():
-        faults += malformed(path)
+        faults += malformed(path.name, path.read_bytes())
     return Outcome(code, seconds, usage.ru_maxrss / 1024, faults, stderr)
 
 
@@ -470,42 +469,20 @@ def warm_up() -> None:
     COMMANDS.update({name: command.params for name, command in commands()})
 
 
-def not_strict_json(text: str) -> list[str]:
-    """Return what is wrong with JSON that must hold neither NaN nor infinity."""
-
-    def refuse(constant: str) -> None:
-        raise ValueError(constant)
-
-    try:
-        json.loads(text, parse_constant=refuse)
-    except ValueError as error:
-        return [f"JSON: {error}"[:80]]
-    return []
-
-
-def malformed(path: Path) -> list[str]:
+def malformed(name: str, content: bytes) -> list[str]:
     """Return what is wrong with an output."""
-    if path.suffix in (".svg", ".xml"):
-        try:
-            ElementTree.parse(path)
-        except ElementTree.ParseError as error:
-            return [f"{path.name}: {error}"]
-    if path.suffix in (".html", ".md", ".toml"):
-        text = path.read_text(errors="replace")
-        faults = ["a script of the input"] if path.suffix == ".html" and SCRIPT in text else []
-        # In a cell or after a key, and in the data of a map.
-        if re.search(r"[>|=] *-?(nan|inf)\b|(?:[\[,]|\x22:) ?-?(NaN|Infinity)[,\]}]", text):
-            faults.append("nan or inf")
-        return [f"{path.name}: {fault}" for fault in faults]
-    if path.suffix == ".ipynb":
-        return not_strict_json(path.read_text())
-    if path.suffix == ".csv":
-        table = path.read_bytes()  # one of shots keeps its encoding
-        lines = table.decode("utf-16" if table.startswith(codecs.BOM_UTF16_LE) else "utf-8", "replace").splitlines()
-        cells = {cell.strip().lower() for row in csv.reader(lines) for cell in row}
-        if cells & {"nan", "inf", "-inf", "infinity", "-infinity"}:
-            return [f"{path.name}: nan or inf"]
-    return []
+    ending = Path(name).suffix
+    text = content.decode("utf-16" if content.startswith(codecs.BOM_UTF16_LE) else "utf-8", "replace")
+    try:
+        if ending in (".svg", ".xml"):
+            ElementTree.fromstring(content)
+        elif ending in (".json", ".ipynb"):
+            json.loads(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        return [f"{name}: {error}"[:80]]
+    faults = ["a script of the input"] if ending == ".html" and SCRIPT in text else []
+    faults += ["nan or inf"] if ending in NOT_A_NUMBER and re.search(NOT_A_NUMBER[ending], text) else []
+    return [f"{name}: {fault}" for fault in faults]
 
 
 def main() -> int:
@@ -525,8 +502,7 @@ def main() -> int:
             slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
             kinds.update({f"{made.command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
             if outcome.faults:
-                told = f"{outcome.code} {outcome.seconds:.1f} s"
-                print(number, made.arguments, made.files, told, outcome.faults, outcome.stderr[-TOLD:], flush=True)
+                print(number, *made, *outcome, flush=True)
     for command, found in sorted(codes.items()):
         ends = ", ".join(f"exit code {code}: {count}" for code, count in sorted(found.items()))
         print(f"{command:20} {ends}")

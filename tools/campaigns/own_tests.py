@@ -9,8 +9,7 @@ stress, each as often.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from itertools import combinations
 from math import comb
 from typing import Any, NamedTuple
@@ -18,13 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armour.analysis.variants import Floats, ballistic_limits, variants_of
-from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of, shipped_data
-from armour.evidence.tests import STRANGE, STRANGE_METAL, Materials
-from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS
+from armour.evidence.fit import Fit, LotTests, distances, fits, mixture_of
+from armour.evidence.tests import STRANGE, STRANGE_METAL
+from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.scenario import load_scenario
-from armour.statistics.calibration import with_ceramic
-from armour.statistics.measured import LIMIT, read_tests
-from armour.statistics.own_tests import SHOT_SCATTER, UNTESTED_DEVIATION, own_tests
+from armour.statistics.own_tests import SHOT_SCATTER
 from tools.campaigns.evidence import NAMES, Outcome, joined, numbers, ranges_of, updated, wilkins
 from tools.campaigns.verdict import verdict
 from tools.evidence import GROUPS, LAWS, ROOT, Plates, fitted, plates_of
@@ -159,36 +156,6 @@ def simulated(case: Case, scatter: float, dice: Any, samples: int = SAMPLES) -> 
     return {design: joined(found) for design, found in parts.items()}
 
 
-def untested(dice: Any) -> dict[str, Outcome]:
-    """Simulate lots of SiC, whose flow stress is as uncertain as the program takes it to be, and predictions."""
-    parts: dict[str, list[Outcome]] = {name: [] for name in DESIGNS}
-    armours = np.array([*ARMOURS[:OWN], *DESIGNS.values()])
-    columns = {CERAMIC: armours[:, 0], BACKING: armours[:, 1]}
-    scenario = load_scenario("wilkins", {"armour.ceramic": "SiC"})
-    nominal = scenario.inputs()[FLOW_STRESS]
-    for _ in range(SAMPLES // 8):
-        law = shipped_data()["fit"][list(LAWS)[int(dice.integers(len(LAWS)))]]["flow_stress"]
-        values = {key: value for key, value in law.items() if value}
-        values["flow_stress_GPa"] *= nominal / 5.2 * np.exp(dice.normal(0.0, UNTESTED_DEVIATION))
-        true = ballistic_limits(variants_of(with_ceramic(scenario, values), columns, len(armours)))
-        tested = true[:OWN] * np.exp(SCATTERS[1] * dice.normal(size=OWN))
-        rows = [
-            dict(zip((CERAMIC, BACKING, LIMIT), row, strict=True)) for row in np.column_stack([armours[:OWN], tested])
-        ]
-        tests = read_tests(rows, scenario)
-        kept = own_tests(tests, {FLOW_STRESS: nominal}, range(len(tests.measurements)))
-        assert kept is not None
-        entry = replace(scenario.entry("ceramic", "SiC"), evidence=kept)
-        made = variants_of(scenario, columns, len(armours))
-        made = made._replace(materials=(Materials(entry, made.materials[0].backing),))
-        by_own = ballistic_limits(made)
-        found = made.limit_distributions(by_own).times(1.0 / by_own)
-        for place, design in enumerate(DESIGNS, start=OWN):
-            error = np.log(true[[place]] / by_own[[place]])
-            parts[design].append(Outcome.of(error, found.mapped(partial(np.take, indices=[place], axis=1))))
-    return {design: joined(found) for design, found in parts.items()}
-
-
 def main() -> int:
     """Write the tables of the page."""
     of_plates, wrong = [], list[str]()
@@ -202,7 +169,7 @@ def main() -> int:
                 of_plates.append([NAMES[name], f"{own}", kind, f"{len(known)}", *numbers(means), off])
                 required = LEAST_NEAR if kind == "near" and name == "fragments_aluminium" else LEAST_TRUE
                 wrong += [f"95 true: {name} {own} {kind}"] * bool(own and 100.0 * means[2] < required)
-    simulations = {"SiC, not tested before": untested(np.random.default_rng(OWN))}
+    simulations = {}
     for case in CASES:
         dice = [np.random.default_rng([OWN, number]) for number in range(len(SCATTERS))]
         parts = [simulated(case, *each) for each in zip(SCATTERS, dice, strict=True)]

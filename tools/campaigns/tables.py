@@ -14,7 +14,7 @@ from pathlib import Path
 from armour.errors import InputError
 from armour.statistics.v50 import read_shots
 from tests.helpers.faults import faults
-from tools.campaigns.trials import WRONG, command, exit_code, forked, run
+from tools.campaigns.trials import WRONG, command, exit_code, forked, run, timed
 
 PAIRS, SAVES = 50, 50
 TABLES = (
@@ -107,9 +107,5 @@ def saves(folder: Path) -> Iterator[str]:
 def main() -> int:
     """Disturb commands that record shots; return the exit code."""
     with tempfile.TemporaryDirectory(prefix="tables-") as place:
-        for table in tables(Path(place), 2):
-            recorded(table, 720.0)
-            start = time.monotonic()
-            assert exit_code(forked(recorded, table, 720.0)) == 0
-            command_s[0] = time.monotonic() - start
+        command_s[0] = min(timed(recorded, table, 720.0) for table in tables(Path(place), 4))
     return run(pairs, steps, saves)
