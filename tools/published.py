@@ -20,7 +20,6 @@ from armour.reporting.views.validation import (
     check_groups,
     check_table,
     group_table,
-    note_rows,
     summary_table,
     usable_table,
 )
@@ -80,7 +79,7 @@ def only(table: Table, *labels: str) -> Table:
 
 def beginning(name: str, result: SuiteResult) -> list[str]:
     """Return the parts that a page on a suite begins with."""
-    lead = f"By armour {__version__}, {in_a_line(result)}. `suites/{name}.toml` states the reason for each band."
+    lead = f"By armour {__version__}, {in_a_line(result)}. `suites/{name}.toml` states the reasons."
     return [f"# {result.title}", lead, markdown_text(result.description), USABLE, markdown_table(usable_table(result))]
 
 
@@ -96,7 +95,6 @@ def paper_page(result: SuiteResult) -> str:
         Column.of("fitted", prose=True),
     )
     cases = check_groups(result)[CASES]
-    unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
     parts = [
         *beginning("paper", result),
         "## Table 3",
@@ -108,18 +106,18 @@ def paper_page(result: SuiteResult) -> str:
         markdown_table(only(check_table(cases), "case", "unit", "expected", "computed", "band ±")),
         f"## Errors, {COMPARED_TESTS}, {found[0].count} rows",
         markdown_table(predicted),
-        "## Shown but not scored",
-        "\n".join(f"* {name}: {markdown_text(note)}." for name, note in note_rows(unscored)),
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def plates_page(result: SuiteResult) -> str:
-    """Return the page on bare plates: of each table, all tests and the groups that have a band."""
+    """Return the page on bare plates: of each table, all tests, and those by thickness or round that have a band."""
     parts = beginning("plates", result)
     for name in check_groups(result):
         table = group_table(result, name)
-        shown = Table(table.columns, tuple(row for row in table.rows if row[0] == "all" or row[-1]))
+        shown = Table(
+            table.columns, tuple(row for row in table.rows if row[0] == "all" or (row[-1] and ", " not in str(row[0])))
+        )
         parts += [f"## {name[:1].upper()}{name[1:]}", markdown_table(only(shown, "tests", "number", "mean", "RMS"))]
     return "\n\n".join(parts) + "\n"
 
