@@ -179,7 +179,7 @@ def _entry(key: str, source: Mapping[str, str]) -> str:
     words = ", ".join(source[part] for part in ("authors", "title", "where", "year") if part in source)
     if doi := source.get("doi"):
         words += f", [doi {doi}](https://doi.org/{doi})"
-    return f"### {key} {{#{key}}}\n\n{words}.\n\n{source['use']} *{source['checked']}.*"
+    return f"### {key}\n\n{words}.\n\n{source['use']} *{source['checked']}.*"
 
 
 LISTS = (

@@ -60,7 +60,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     up = "../" * page.file.src_uri.count("/")
     markdown = filled(_inside(markdown, f"../{up}"))
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in lists.sources() else key[0], markdown)
-    return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key}" for key in lists.sources())])
+    return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key.lower()}" for key in lists.sources())])
 
 
 def on_page_content(html: str, **_: Any) -> str:
@@ -68,7 +68,7 @@ def on_page_content(html: str, **_: Any) -> str:
     html = re.sub(r'<(span|div) class="arithmatex">\\[\[(](.+?)\\[\])]</\1>', _formula, html, flags=re.DOTALL)
     html = re.sub(r'<img alt="([^"]+)" src="[./]*images/([\w-]+\.svg)" ?/?>', _drawing, html)
     # A reference to the bibliography keeps its brackets.
-    html = re.sub(r'(<a href="[^"]*references\.html#(\w+)">\2</a>)', r"[\1]", html)
+    html = re.sub(r'(<a href="[^"]*references\.html#\w+">\w+</a>)', r"[\1]", html)
     # mkdocstrings puts a dash before a description that is empty, and takes a type in words for Python.
     return re.sub(r'\u2013\s*<div class="doc-md-description">\s*</div>', "", html).replace("path - like", "path-like")
 

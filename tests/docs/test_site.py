@@ -60,7 +60,7 @@ def test_a_formula_is_rendered_when_the_site_is_built(site):
 
 
 def test_a_reference_to_the_bibliography_keeps_its_brackets(site):
-    link = '<a href="../references.html#Tate1967">Tate1967</a>'
+    link = '<a href="../references.html#tate1967">Tate1967</a>'
     assert site.on_page_content(link) == f"[{link}]"
 
 
