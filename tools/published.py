@@ -79,7 +79,7 @@ def only(table: Table, *labels: str) -> Table:
 
 def beginning(name: str, result: SuiteResult) -> list[str]:
     """Return the parts that a page on a suite begins with."""
-    lead = f"By armour {__version__}, {in_a_line(result)}. `suites/{name}.toml` states the reasons."
+    lead = f"By armour {__version__}, {in_a_line(result)}. `suites/{name}.toml` states the reason for each band."
     return [f"# {result.title}", lead, markdown_text(result.description), USABLE, markdown_table(usable_table(result))]
 
 
