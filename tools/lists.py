@@ -11,6 +11,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
+from inspect import getdoc
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,8 @@ from armour.validation.tested import tested_with
 from tools import budget
 
 DOCS = Path(__file__).parents[1] / "docs"
+# Pages of the API that are not named after the package.
+PAGES = {"engine": "analysis"}
 
 
 def commands() -> str:
@@ -49,6 +52,16 @@ def _option(param: Any) -> str:
     """Return the row of an option, or of an argument."""
     names = param.opts if param.param_type_name == "option" else []
     return f"| `{' '.join(filter(None, [*names, param.metavar]))}` | {param.help} |"
+
+
+def described(*names: str) -> str:
+    """Return a table of public names, linked to their pages, with the first lines of their descriptions."""
+    rows = ["| name | description |", "|---|---|"]
+    for name in names:
+        described = getattr(armour, name)
+        package, words = described.__module__.split(".")[1], getdoc(described) or ""
+        rows.append(f"| [`{name}`](api/{PAGES.get(package, package)}.md) | {words.splitlines()[0]} |")
+    return "\n".join(rows)
 
 
 def scenario() -> str:
@@ -183,7 +196,7 @@ def _entry(key: str, source: Mapping[str, str]) -> str:
 
 
 LISTS = (
-    *(column_names, commands, count_words, entries, inputs),
+    *(column_names, commands, count_words, described, entries, inputs),
     *(library, references, result_words, scenario, threats),
 )
 PARTS = {part.__name__: part for part in LISTS}

@@ -31,14 +31,7 @@ def api(package: str) -> str:
     return "\n\n".join(f"::: armour.{name}" for name in names)
 
 
-def described(*names: str) -> str:
-    """Return a table of public names, linked to their descriptions, with the first lines of these."""
-    first_lines = ((getattr(armour, name).__doc__ or "").strip().splitlines()[0] for name in names)
-    rows = (f"| [`{name}`][armour.{name}] | {line} |" for name, line in zip(names, first_lines, strict=True))
-    return "\n".join(["| name | description |", "|---|---|", *rows])
-
-
-PARTS = {**lists.PARTS, "api": api, "described": described}
+PARTS = {**lists.PARTS, "api": api}
 
 
 def filled(markdown: str) -> str:
@@ -58,6 +51,8 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Fill a page, and make links of the keys of the bibliography."""
     up = "../" * page.file.src_uri.count("/")
+    # A name leads to its description, which only the site has.
+    markdown = re.sub(r"\[`(\w+)`\]\(api/\w+\.md\)", r"[`\1`][armour.\1]", markdown)
     markdown = filled(_inside(markdown, f"../{up}"))
     text = re.sub(r"\\\[(\w+)\]", lambda key: f"[{key[1]}]" if key[1] in lists.sources() else key[0], markdown)
     return "\n".join([text, "", *(f"[{key}]: {up}references.md#{key.lower()}" for key in lists.sources())])

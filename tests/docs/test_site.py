@@ -41,9 +41,9 @@ def test_the_api_has_every_public_name_once(site):
     assert sorted(re.findall(r"^::: armour\.(\w+)$", "\n".join(pages), re.MULTILINE)) == sorted(dir(armour))
 
 
-def test_the_page_of_the_api_has_a_line_for_every_public_name(site):
-    text = site.filled((DOCS / "reference" / "api.md").read_text(encoding="utf-8"))
-    names = re.findall(r"^\| \[`(\w+)`\]\[armour\.\1\] \| \S.*\. \|$", text, re.MULTILINE)
+def test_the_page_of_the_api_has_a_line_for_every_public_name():
+    text = (DOCS / "reference" / "api.md").read_text(encoding="utf-8")
+    names = re.findall(r"^\| \[`(\w+)`\]\(api/\w+\.md\) \| \S.*\. \|$", text, re.MULTILINE)
     assert sorted(names) == sorted(dir(armour))
 
 
