@@ -9,7 +9,7 @@ that the function of this name returns.  Where the second line is missing, `tool
 import json
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from inspect import getdoc
 from itertools import chain
@@ -36,6 +36,11 @@ DOCS = Path(__file__).parents[1] / "docs"
 PAGES = {"engine": "analysis"}
 
 
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    return "\n".join(f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *rows))
+
+
 def commands() -> str:
     """Return the commands with their arguments, options and examples, as their help shows them."""
     programs = dict(budget.commands())
@@ -43,25 +48,29 @@ def commands() -> str:
     for function in chain.from_iterable(COMMANDS.values()):
         (words, examples), name = told(function), named(function)
         rows = [_option(param) for param in programs[name].params if not getattr(param, "hidden", False)]
-        table = "\n".join(["| option | meaning |", "|---|---|", *rows])
-        parts += [f"## `armour {name}`", words, table, "\n".join(["```sh", *examples, "```"])]
+        parts += [
+            f"## `armour {name}`",
+            words,
+            _table(("option", "meaning"), rows),
+            "\n".join(["```sh", *examples, "```"]),
+        ]
     return "\n\n".join(parts)
 
 
-def _option(param: Any) -> str:
+def _option(param: Any) -> tuple[str, str]:
     """Return the row of an option, or of an argument."""
     names = param.opts if param.param_type_name == "option" else []
-    return f"| `{' '.join(filter(None, [*names, param.metavar]))}` | {param.help} |"
+    return f"`{' '.join(filter(None, [*names, param.metavar]))}`", param.help
 
 
 def described(*names: str) -> str:
     """Return a table of public names, linked to their pages, with the first lines of their descriptions."""
-    rows = ["| name | description |", "|---|---|"]
+    rows = []
     for name in names:
         described = getattr(armour, name)
         package, words = described.__module__.split(".")[1], getdoc(described) or ""
-        rows.append(f"| [`{name}`](api/{PAGES.get(package, package)}.md) | {words.splitlines()[0]} |")
-    return "\n".join(rows)
+        rows.append((f"[`{name}`](api/{PAGES.get(package, package)}.md)", words.splitlines()[0]))
+    return _table(("name", "description"), rows)
 
 
 def scenario() -> str:
@@ -99,9 +108,9 @@ def _section(heading: str, section: Mapping[str, Any], places: Mapping[str, str]
         default = content.get("default")
         shown = "" if default in (None, "", []) or isinstance(default, dict) else f"`{json.dumps(default)}`"
         name = f"**`{key}`**" if key in section.get("required", []) else f"`{key}`"
-        rows.append(f"| {name} | {content['description']} | {_kind(content, places)} | {shown} |")
-    head = ["| key | meaning | value | default |", "|---|---|---|---|"]
-    return "\n".join([f"## {heading}\n", section.get("description", "A number of the library.") + "\n", *head, *rows])
+        rows.append((name, content["description"], _kind(content, places), shown))
+    words = section.get("description", "A number of the library.")
+    return "\n\n".join([f"## {heading}", words, _table(("key", "meaning", "value", "default"), rows)])
 
 
 def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
@@ -127,30 +136,29 @@ def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
 
 def inputs() -> str:
     """Return a table of the names of inputs, with their words."""
-    return "\n".join(["| name | in words |", "|---|---|", *(f"| `{name}` | {in_words(name)} |" for name in INPUTS)])
+    return _table(("name", "in words"), ((f"`{name}`", in_words(name)) for name in INPUTS))
 
 
 def column_names() -> str:
     """Return a table of the names and units of columns of tables that people write."""
-    lines = ["| key | names | units |", "|---|---|---|"]
+    rows = []
     for key, names in USUAL_NAMES.items():
         # Tests may have the names of shots.
         own = [name for name in names if key != "test" or name not in USUAL_NAMES["shot"]]
         units = UNITS.get(words_and_unit(key)[1], {})
         if key not in ("impact.velocity_m_s", "outcome"):
-            lines.append(f"| `{key}` | {', '.join(dict.fromkeys(own))} | {', '.join(units)} |")
-    return "\n".join(lines)
+            rows.append((f"`{key}`", ", ".join(dict.fromkeys(own)), ", ".join(units)))
+    return _table(("key", "names", "units"), rows)
 
 
 def result_words() -> str:
     """Return a table of the words for results."""
-    return "\n".join(["| stopped | perforated |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in OUTCOME_WORDS)])
+    return _table(("stopped", "perforated"), OUTCOME_WORDS)
 
 
 def count_words() -> str:
     """Return a table of the words for shots that count and those that do not."""
-    pairs = (*YES_OR_NO, *COUNTED)
-    return "\n".join(["| does not count | counts |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in pairs)])
+    return _table(("does not count", "counts"), (*YES_OR_NO, *COUNTED))
 
 
 def library(kind: Any) -> str:
