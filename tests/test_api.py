@@ -105,7 +105,12 @@ def test_a_path_is_a_text_or_a_path(kind: type, tmp_path: Path):
     assert armour.read_tests(kind(SCENARIOS / "tests" / "wilkins.csv"), scenario).names
     assert armour.read_shots(kind(SCENARIOS / "tests" / "shots.csv")).velocities_m_s
     assert armour.load_suite(kind(Path(__file__).parent / "validation" / "regression.toml")).cases
-    assert armour.sweep(scenario, kind(_cases(tmp_path)), "areal_density_kg_m2", kind(tmp_path / "out.csv")).rows == 1
+    assert (
+        armour.sweep(
+            scenario, None, "areal_density_kg_m2", kind(tmp_path / "out.csv"), cases=kind(_cases(tmp_path))
+        ).rows
+        == 1
+    )
 
 
 def _cases(folder: Path) -> Path:
@@ -136,7 +141,7 @@ def test_every_result_has_warnings():
 
 
 def test_a_suite_and_a_library_are_shown_in_a_line():
-    assert repr(armour.load_suite(armour.paper_suite())).endswith("cases of paper.toml>")
+    assert repr(armour.load_suite("paper")).endswith("cases of paper.toml>")
     assert re.fullmatch(r"<Library: \d+ projectiles, \d+ ceramics, \d+ metals>", repr(armour.shipped_library()))
 
 

@@ -60,11 +60,13 @@ def test_the_wheel_ships_what_the_program_reads(tmp_path: Path, monkeypatch: pyt
         wheel.extractall(tmp_path)
     here = {name: [*files.shipped_files(name, "").items()] for name in ("configs", "scenarios", "suites")}
     monkeypatch.setattr(files, "_PACKAGE", tmp_path / "armour")
+    files.shipped_files.cache_clear()
     for name, shipped in here.items():
         assert shipped
         assert [*files.shipped_files(name, "")] == [path for path, _ in shipped]
         assert files.shipped(name) == tmp_path / "armour" / name
     assert [*files.shipped_notebooks()] == ["study.ipynb"]
+    files.shipped_files.cache_clear()
     assert (tmp_path / "armour" / "py.typed").exists()
     assert (tmp_path / "armour" / "__init__.pyi").exists()
     assert (tmp_path / "armour" / "reporting" / "templates" / "report.html").exists()

@@ -7,6 +7,7 @@ to the tests: the flow stress of the model, and a rule of areal density, both al
 that predicts it.
 """
 
+from math import nan
 from pathlib import Path
 
 import numpy as np
@@ -14,21 +15,14 @@ import numpy as np
 from armour import __version__
 from armour.reporting.by_result import in_a_line
 from armour.reporting.formats import markdown_table, markdown_text
-from armour.reporting.table import Column, Table
-from armour.reporting.views.validation import (
-    USABLE,
-    check_groups,
-    check_table,
-    group_table,
-    summary_table,
-    usable_table,
-)
+from armour.reporting.table import Column, Table, sentence
+from armour.reporting.views.validation import check_groups, check_table, summary_table
 from armour.scenario.scenario import load_scenario
 from armour.statistics.calibration import calibrate
 from armour.statistics.measured import read_tests
-from armour.validation.comparison import Error, compare
+from armour.validation.comparison import Prediction, compare
 from armour.validation.suite_sections import CASES
-from armour.validation.tested import COMPARED_TESTS
+from armour.validation.tested import COMPARED_TESTS, wilkins_tests
 from armour.validation.validate import SuiteResult, validate
 
 EVIDENCE = Path(__file__).parents[1] / "docs" / "evidence"
@@ -36,21 +30,23 @@ EVIDENCE = Path(__file__).parents[1] / "docs" / "evidence"
 BEFORE, PROGRAM = (f"table 3, the paper's program, {stress} GPa" for stress in (3.8, 5.2))
 
 
-def errors(paper: SuiteResult) -> list[Error]:
-    """Return the errors of each prediction of Wilkins' tests, given the result of the paper's suite."""
+def predictions(paper: SuiteResult) -> list[Prediction]:
+    """Return each prediction of Wilkins' tests with its errors, given the result of the paper's suite."""
     printed, measured = (
         np.array([check.case.expected for check in check_groups(paper)[name]], dtype=np.float64)
         for name in (PROGRAM, COMPARED_TESTS)
     )
     wilkins = load_scenario("wilkins")
-    model, *formulas, rule, rule_of_power = compare(wilkins).errors
+    model, *formulas = compare(wilkins).predictions
     fit = calibrate(read_tests("tests/wilkins", wilkins), wilkins)
     computed, left_out = (
         np.array([getattr(test, name) for test in fit.residuals], dtype=np.float64) for name in ("computed", "left_out")
     )
     stress = f"flow stress of AD85 to these tests: {fit.coefficients[0].estimate:.2f} GPa"
-    refitted = Error.of("this model, flow stress refitted", measured, computed, left_out, stress)
-    return [Error.of("the paper's program", measured, printed), model, *formulas, refitted, rule, rule_of_power]
+    refitted = Prediction("the model, flow stress refitted", nan, fitted=stress)
+    program = Prediction("the paper's program", nan)
+    others = [program.on_tests(measured, printed), refitted.on_tests(measured, computed, left_out)]
+    return [model, *others, *formulas]
 
 
 def table_3(paper: SuiteResult) -> Table:
@@ -80,15 +76,14 @@ def only(table: Table, *labels: str) -> Table:
 def beginning(name: str, result: SuiteResult) -> list[str]:
     """Return the parts that a page on a suite begins with."""
     lead = f"By armour {__version__}, {in_a_line(result)}. `suites/{name}.toml` states the reason for each band."
-    return [f"# {result.title}", lead, markdown_text(result.description), USABLE, markdown_table(usable_table(result))]
+    return [f"# {result.title}", lead, markdown_text(result.description)]
 
 
 def paper_page(result: SuiteResult) -> str:
     """Return the page on the numbers of the paper."""
-    found = errors(result)
     predicted = Table.of(
-        found,
-        Column.of("predictor", label="predicted by", prose=True),
+        predictions(result),
+        Column.of("method", label="predicted by", prose=True),
         Column.of("mean_percent", ".1f", "mean error"),
         Column.of("left_out_percent", ".1f"),
         Column.of("largest_percent", ".1f"),
@@ -100,25 +95,31 @@ def paper_page(result: SuiteResult) -> str:
         "## Table 3",
         markdown_table(table_3(result)),
         "## Tables as a whole",
-        markdown_table(only(summary_table(result), "table", "unit", "mean", "RMS", "largest", "RMS band")),
+        markdown_table(
+            only(summary_table(result.summaries, ""), "tests", "unit", "mean", "RMS", "largest", "RMS band")
+        ),
         "## Cases",
         "What has no band is not scored.",
         markdown_table(only(check_table(cases), "case", "unit", "expected", "computed", "band ±")),
-        f"## Errors, {COMPARED_TESTS}, {found[0].count} rows",
+        f"## Errors, {COMPARED_TESTS}, {len(wilkins_tests().limits)} rows",
         markdown_table(predicted),
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def plates_page(result: SuiteResult) -> str:
-    """Return the page on bare plates: of each table, all tests, and those by thickness or round that have a band."""
-    parts = beginning("plates", result)
-    for name in check_groups(result):
-        table = group_table(result, name)
-        shown = Table(
-            table.columns, tuple(row for row in table.rows if row[0] == "all" or (row[-1] and ", " not in str(row[0])))
-        )
-        parts += [f"## {name[:1].upper()}{name[1:]}", markdown_table(only(shown, "tests", "number", "mean", "RMS"))]
+    """Return the page on bare plates: all tests of each table, and those by thickness or round that have a band."""
+    columns, parts = ("tests", "number", "mean", "RMS"), beginning("plates", result)
+    whole = [summary for summary in result.summaries if not summary.group]
+    parts += [
+        "Relative errors of the limits by the model, %.",
+        markdown_table(only(summary_table(whole, ""), *columns)),
+    ]
+    for summary in whole:
+        groups = [each for each in result.summaries if each.name == summary.name and each.rms_band and each.group]
+        if shown := [each for each in groups if ", " not in each.group]:
+            parts += [f"## {sentence(summary.name).removesuffix('.')}"]
+            parts += [markdown_table(only(summary_table(shown, ""), *columns))]
     return "\n\n".join(parts) + "\n"
 
 

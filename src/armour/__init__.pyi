@@ -54,7 +54,6 @@ from .statistics.fitted_library import save_fit as save_fit
 from .statistics.likelihood import Coefficient as Coefficient
 from .statistics.measured import Tests as Tests
 from .statistics.measured import read_tests as read_tests
-from .statistics.own_tests import OwnTest as OwnTest
 from .statistics.posterior import FiringEstimate as FiringEstimate
 from .statistics.sensitivity import Elasticity as Elasticity
 from .statistics.sensitivity import SensitivityResult as SensitivityResult
@@ -71,16 +70,14 @@ from .statistics.v50 import v50 as v50
 from .sweeps.sweep import SweepResult as SweepResult
 from .sweeps.sweep import sweep as sweep
 from .validation.comparison import Comparison as Comparison
-from .validation.comparison import RuleResult as RuleResult
+from .validation.comparison import Prediction as Prediction
 from .validation.comparison import compare as compare
-from .validation.formulas import FlorenceResult as FlorenceResult
 from .validation.suite import Case as Case
 from .validation.suite import Suite as Suite
 from .validation.suite import load_suite as load_suite
 from .validation.validate import Check as Check
 from .validation.validate import SuiteResult as SuiteResult
 from .validation.validate import TableSummary as TableSummary
-from .validation.validate import paper_suite as paper_suite
 from .validation.validate import validate as validate
 
 __version__: str

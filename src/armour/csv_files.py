@@ -1,4 +1,4 @@
-"""Tables that people write, as CSV or as a sheet: shots, tests and cases; every mistake is reported, with its line."""
+"""Tables of shots, tests and cases, from CSV, a sheet, Parquet or Python; every mistake is reported, with its line."""
 
 import csv
 import json
@@ -28,7 +28,10 @@ MAX_TABLE_ROWS = 100_000
 MAX_LINE = 100_000
 # Number of first lines among which the header is; least number of known names in a header that is not the first line.
 HEAD, LEAST_NAMES = 40, 2
+# Words for the separators of columns, those between which a comma may mark decimals, and words for encodings.
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+WITH_DECIMAL_COMMAS = (";", "\t")
+ENCODINGS = {"utf-16-le": "UTF-16", "utf-16-be": "UTF-16", "cp1252": "Windows-1252"}
 # Units that messages suggest.
 USUAL_UNITS = ("m/s", "ft/s", "mm", "in", "g", "grain", "°")
 # Relative difference of two numbers that are rounded in different units, and of several velocities of one shot.
@@ -43,9 +46,8 @@ _LINE = re.compile(r"(?:line|row) (\d+)")
 # Bytes that are not UTF-8 text, as they are read.
 _UNDECODED = re.compile("[\udc80-\udcff]")
 # Numbers with groups of three digits, by the mark of their decimals.
-_SPACES = " \u00a0\u202f\u2009'\u2019"
 _GROUPED = {
-    mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}([{other}{_SPACES}])\d{{3}}(?:\1\d{{3}})*(?:\{mark}\d*)?")
+    mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}([{other} \u00a0\u202f\u2009'\u2019])\d{{3}}(?:\1\d{{3}})*(?:\{mark}\d*)?")
     for mark, other in (".,", ",.")
 }
 
@@ -63,7 +65,10 @@ class Source:
     header: Sequence[str] = ()
     lines: Iterator[Line] = field(default_factory=lambda: iter(()))
     above: Sequence[str] = ()  # lines above the header
-    form: list[str] = field(default_factory=list)  # separator, encoding and the like, in words
+    separator: str = ""  # of the columns of CSV
+    encoding: str = "utf-8"  # of CSV; "cp1252" once a line is not UTF-8
+    sheet: str = ""  # of a workbook
+    conversions: list[str] = field(default_factory=list)  # other ways in which cells are not plain, in words
     digest: Any = field(default_factory=sha256)  # of the content, once all lines are read
     problems: list[Problem] = field(default_factory=list)  # in the lines
     marked: dict[str, str] = field(default_factory=dict)  # rows of a sheet that are hidden or struck through, by place
@@ -108,7 +113,7 @@ class Source:
         A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
         `needed`.
         """
-        mark = mark or decimal_mark(cells, column, self.form) or ""
+        mark = mark or decimal_mark(cells, column, self.separator) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
         if not mark or None in values:
             for index, cell in enumerate(cells):
@@ -117,7 +122,7 @@ class Source:
                     self.wrong(f"{at[index]}: {name}", message or f'must be a number, found "{cell}"')
                     values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
-        self.form += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
+        self.conversions += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
         return [None if value is None else value * column.factor for value in values], mark
 
     def refuse(self) -> None:
@@ -127,7 +132,14 @@ class Source:
 
     def told(self, rows: str, notes: Sequence[str] = ()) -> tuple[str, bool]:
         """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
-        words = [*dict.fromkeys(self.form)]
+        form = (
+            SEPARATORS.get(self.separator, ""),
+            ENCODINGS.get(self.encoding, ""),
+            f"sheet {self.sheet}" * bool(self.sheet),
+            f"{counted(len(self.above), 'line')} above the header" * bool(self.above),
+            *self.conversions,
+        )
+        words = [*dict.fromkeys(filter(None, form))]
         return ", ".join([*words, rows, *notes]), words in ([], ["commas"]) and not notes
 
 
@@ -246,7 +258,6 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
     head = [*islice(texts, HEAD)]
     declared = re.fullmatch(r"sep=([,;\t])\s*", head[0]) if head else None
     if head and declared:
-        source.form.append("sep=")
         head[0] = "\n"
     filled = [text for text in head if text.strip(",;\t\r\n ")]
 
@@ -255,9 +266,8 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
         count, place = _most_known(rows, known)
         return count, len(rows[place]) if rows else 0
 
-    separator = declared[1] if declared else max(SEPARATORS, key=names)
-    source.form.insert(0, SEPARATORS[separator])
-    return _with_header(source, _cells(path, chain(head, texts), separator), known)
+    source.separator = declared[1] if declared else max(SEPARATORS, key=names)
+    return _with_header(source, _cells(path, chain(head, texts), source.separator), known)
 
 
 def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> tuple[int, int]:
@@ -276,8 +286,6 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     above = _most_known([cells for _, cells in head], known)[1]
     source.above = [", ".join(filter(None, cells)) for _, cells in head[:above]]
     (source.place, header), *head = head[above:]
-    if above:
-        source.form.append(f"{counted(above, 'line')} above the header")
     while header and not header[-1] and not any(cells[len(header) - 1 : len(header)] > [""] for _, cells in head):
         header.pop()
     if any(len(name) > MAX_NAME for name in header):
@@ -306,9 +314,8 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
             refuse_pipe(path)
         with open(path, "rb") if content is None else BufferedReader(BytesIO(content)) as file:
             start = file.peek(2)[:2]
-            encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(start, "utf-8")
+            source.encoding = encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(start, "utf-8")
             errors = "surrogateescape" if encoding == "utf-8" else "strict"
-            source.form += ["UTF-16"] if encoding != "utf-8" else []
             with TextIOWrapper(file, encoding, errors, newline="") as text:
                 for place, line in enumerate(iter(lambda: text.readline(MAX_LINE), ""), 1):
                     if len(line) == MAX_LINE:
@@ -317,20 +324,11 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
                         raise mistake(path, f"line {place}", "must be text, found a binary file")
                     source.digest.update(line.encode(encoding, errors))
                     if not line.isascii() and _UNDECODED.search(line):
-                        line = _windows(path, place, line)
-                        source.form += ["Windows-1252"] * ("Windows-1252" not in source.form)
+                        source.encoding = "cp1252"
+                        line = line.encode("utf-8", "surrogateescape").decode("cp1252", "replace")
                     yield line.removeprefix("\ufeff") if place == 1 else line
     except (OSError, ValueError) as error:
         raise mistake(path, "", f"cannot be read: {reason(error)}") from None
-
-
-def _windows(path: Path, place: int, line: str) -> str:
-    """Return a line that is not UTF-8 as text of Windows-1252."""
-    try:
-        return line.encode("utf-8", "surrogateescape").decode("cp1252")
-    except UnicodeDecodeError as error:
-        message = f"must be UTF-8 or Windows-1252 text, found the byte {error.object[error.start]:#04x}"
-        raise mistake(path, f"line {place}", message) from None
 
 
 def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
@@ -359,11 +357,10 @@ def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[
         workbook = workbook_of(path, content)
         if sheet is not None and sheet not in workbook.sheets:
             raise mistake(path, "", f"must have the sheet {sheet}, found {listed([*workbook.sheets])}")
-        name = _only_table(workbook, known) if sheet is None else sheet
-        source.form.append(f"sheet {name}")
-        if places := comments_of(workbook, name):
-            source.form.append(f"without the comments of {listed(places)}")
-        for number, cells, mark in rows_of(workbook, name):
+        source.sheet = _only_table(workbook, known) if sheet is None else sheet
+        if places := comments_of(workbook, source.sheet):
+            source.conversions.append(f"without the comments of {listed(places)}")
+        for number, cells, mark in rows_of(workbook, source.sheet):
             source.marked |= {f"row {number}": mark} if mark else {}
             yield f"row {number}", cells
     except InputError:
@@ -417,30 +414,57 @@ def read_rows(
     Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
     Columns that are not read must not divide the rows, unless ``ignore`` names them or the table is not ``closed``.
     """
-    file, where = source.file, where or {}
-    columns = columns_of(source.header, kind.keys)
+    columns, where = columns_of(source.header, kind.keys), where or {}
     chosen = [(i, str(value)) for name, value in where.items() for i in places_of(source, columns, name)]
     unwanted = {i for name in ignore for i in named_places(source, columns, name)}
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
-    unread = {i for i, column in enumerate(columns) if not column.known and not column.averaged}
-    unread -= {i for i, _ in chosen} | unwanted
+    unread = {i for i, each in enumerate(columns) if not each.known and not each.averaged} - {*dict(chosen)} - unwanted
     columns, every, reasons = _checked(source, kind, columns, unread, least)
     lines = _chosen(source, columns, every, chosen, reasons)
     unused = [(place, reasons[place], cells) for place, cells in every if place in reasons]
     not_used = tuple(NotUsed(place, source.title(index), cells[index], (*cells,)) for place, index, cells in unused)
     left_out = tuple(place for place, _ in lines if place in reasons)
     lines = [line for line in lines if line[0] not in reasons]
-    places = [place for place, _ in lines]
-    source.check_marks(places)
-    rows = [CsvRow(place, {}, {}) for place in places]
+    source.check_marks(place for place, _ in lines)
+    rows = [CsvRow(place, {}, {}) for place, _ in lines]
+    averaged = _fill(source, kind, columns, lines, rows)
     groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
+    for index, column in enumerate(columns):
+        name, cells = source.title(index), [cells[index] for _, cells in lines]
+        if column.known and column.key in GROUPS and column.key not in kind.keys:
+            groups[name] = cells
+        elif not column.known and index not in dict(chosen):
+            ignored += [name] * bool(source.header[index] or any(cells))
+            if index in unread and are_remarks(cells):
+                warnings.append(_quoted(name, rows, cells))
+            elif index in unread and closed:
+                _check_unread(source, name, cells, kind.noun)
+    equal = _equal(source, kind.texts[0], rows, lines)
+    if len(rows) < least:
+        raise InputError(source.problems or [Problem(source.file, "", "must have rows that count")])
+    notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
+    notes += [f"mean of {joined(names)}" for names in averaged]
+    notes += [f"without {', '.join(ignored)}"] * bool(ignored)
+    notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
+    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
+    told = source.told(counted(len(rows), kind.noun), notes)
+    digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
+    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
+    return CsvTable(rows, read, groups)
+
+
+def _fill(
+    source: Source, kind: TableKind, columns: Sequence[Column], lines: Sequence[Line], rows: Sequence[CsvRow]
+) -> list[list[str]]:
+    """Fill the rows with the cells of the columns of a kind; return the names of columns whose mean is read."""
     repeated: dict[str, dict[str, list[float | None]]] = {}
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
-        if source.form and source.form[0].startswith("sheet ") and column.key in kind.needed and {*cells} == {""}:
-            raise mistake(file, name, "must have values, found none; save the workbook after its last calculation")
+        if source.sheet and column.key in kind.needed and {*cells} == {""}:
+            message = "must have values, found none; save the workbook after its last calculation"
+            raise mistake(source.file, name, message)
         if column.known and column.key in kind.numbers:
-            numbers, _ = source.numbers(name, column, places, cells)
+            numbers, _ = source.numbers(name, column, [row.place for row in rows], cells)
             if column.averaged:
                 repeated.setdefault(column.key, {})[name] = numbers
             for row, cell, number in zip(rows, cells, numbers, strict=True):
@@ -448,35 +472,18 @@ def read_rows(
                 row.numbers.update({} if number is None else {column.key: number})
         elif column.known and column.key in kind.texts:
             _fill_texts(source, name, column, cells, rows)
-        elif column.known and column.key in GROUPS:
-            groups[name] = cells
-        elif not column.known and index not in dict(chosen):
-            ignored += [name] * bool(source.header[index] or any(cells))
-            if index in unread and are_remarks(cells):
-                said = dict[str, list[str]]()
-                for place, cell in zip(places, cells, strict=True):
-                    said.setdefault(cell, []).append(place)
-                texts = [f'"{text}" in {listed(those)}' for text, those in said.items() if text]
-                warnings.append(f"{name}, which is not read, says {'; '.join(texts)}")
-            elif index in unread and closed:
-                _check_unread(source, name, cells, kind.noun)
     for key, by_name in repeated.items():
         _average(source, key, by_name, rows)
-    equal = _equal(source, kind.texts[0], rows, lines)
-    if len(rows) < least:
-        raise InputError(source.problems or [Problem(file, "", "must have rows that count")])
-    notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
-    notes += [f"mean of {joined([*by_name])}" for by_name in repeated.values() if len(by_name) > 1]
-    notes += [f"without {', '.join(ignored)}"] * bool(ignored)
-    names = Counter(row.texts.get(kind.texts[0]) for row in rows)
-    if several := [name for name, count in names.items() if name and count > 1]:
-        notes.append(f"several {kind.noun}s named {listed(several)}")
-    notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
-    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
-    told = source.told(counted(len(rows), kind.noun), notes)
-    digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
-    read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
-    return CsvTable(rows, read, groups)
+    return [[*by_name] for by_name in repeated.values() if len(by_name) > 1]
+
+
+def _quoted(name: str, rows: Sequence[CsvRow], cells: Sequence[str]) -> str:
+    """Return the remarks in a column that is not read, with the places of their rows."""
+    said = dict[str, list[str]]()
+    for row, cell in zip(rows, cells, strict=True):
+        said.setdefault(cell, []).append(row.place)
+    texts = [f'"{text}" in {listed(places)}' for text, places in said.items() if text]
+    return f"{name}, which is not read, says {'; '.join(texts)}"
 
 
 def are_remarks(cells: Sequence[str]) -> bool:
@@ -497,7 +504,7 @@ def _check_unread(source: Source, name: str, cells: Sequence[str], noun: str) ->
     Numbers of which more than half differ are measured, and divide the rows only if they lie in two groups far apart,
     as yaw angles do of which some are too great.
     """
-    values, mark = {*cells}, decimal_mark(cells, Column(name), source.form) or "."
+    values, mark = {*cells}, decimal_mark(cells, Column(name), source.separator) or "."
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
@@ -559,7 +566,7 @@ def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str],
             row.texts[column.key] = "perforated" if column.says(cell) else "stopped"
         elif cell:
             row.texts[column.key] = csv_value(cell)
-    source.form += ["x for yes"] * (words is not cells)
+    source.conversions += ["x for yes"] * (words is not cells)
 
 
 def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]) -> list[Column]:
@@ -569,7 +576,7 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
         column, cells = columns[place], [cells[place] for _, cells in lines]
         if column.yes is not None:
             return [nan if (said := column.says(cell)) is None else said for cell in column.words(cells)]
-        mark = decimal_mark(cells, column, source.form) or "."
+        mark = decimal_mark(cells, column, source.separator) or "."
         return [nan if (value := number_as(cell, mark)) is None else value * column.factor for cell in cells]
 
     kept, first_places = [*columns], dict[str, int]()
@@ -683,14 +690,14 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
     return equal
 
 
-def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) -> str | None:
+def decimal_mark(cells: Iterable[str], column: Column, separator: str) -> str | None:
     """Return the decimal mark of a column, by its cells and the bounds of its quantity; None if both are possible.
 
     The mark is a point in a table with commas between its columns, unless a cell has a comma.
     """
     cells = [cell for cell in cells if cell]
     has_commas = any("," in cell for cell in cells)
-    if not has_commas and not {"semicolons", "tabs"} & {*form}:
+    if not has_commas and separator not in WITH_DECIMAL_COMMAS:
         return "."
     low, high = column.bounds
     read: dict[str, list[float | None]] = {}
@@ -703,7 +710,7 @@ def decimal_mark(cells: Iterable[str], column: Column, form: Collection[str]) ->
             fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
     if len(fitting) == 2 and read["."] != read[","]:
         return None
-    usual = ",." if {"semicolons", "tabs"} & {*form} else ".,"
+    usual = ",." if separator in WITH_DECIMAL_COMMAS else ".,"
     return [*fitting, *whole, min(usual, key=lambda mark: read[mark].count(None))][0]
 
 

@@ -17,7 +17,6 @@ from difflib import get_close_matches
 from os import PathLike
 from typing import NamedTuple
 
-ASCII = "".join(map(chr, range(128)))
 # Greatest number of names to suggest one from, as a wrong name is compared with each of them.
 MAX_WORDS = 1000
 # Least likeness of two names, and of the words within them, for one to be a misspelling of the other: "stres" is like
@@ -202,21 +201,12 @@ def suggestion(word: str, names: Sequence[str]) -> str:
     whole = [name for name in by_folded if parts and parts <= {*name.replace(",", " ").split()}]
     like = whole or [name for name in by_folded if _is_like(folded, name)]
     closest = get_close_matches(folded, like, n=1, cutoff=0.0 if whole else LIKENESS)
-    return f'; did you mean "{by_folded[closest[0]]}"{_unlike(word, by_folded[closest[0]])}?' if closest else ""
+    return f'; did you mean "{by_folded[closest[0]]}"?' if closest else ""
 
 
 def _folded(name: str) -> str:
     """Return a form of a name that is equal for names that differ only in case or in the form of characters."""
     return unicodedata.normalize("NFKC", name).casefold()
-
-
-def _unlike(word: str, name: str) -> str:
-    """Return, as code points, the characters beyond ASCII that only one of two texts has, as they may look alike."""
-    words = ""
-    for preposition, text, other in (("with", name, word), ("without", word, name)):
-        codes = [f"U+{ord(character):04X}" for character in dict.fromkeys(text) if character not in ASCII + other]
-        words += f", {preposition} {' '.join(codes)}" if codes else ""
-    return words
 
 
 def _is_like(word: str, name: str) -> bool:

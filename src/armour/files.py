@@ -14,7 +14,7 @@ from functools import cache
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from shlex import quote
+from shlex import join
 from typing import Any, BinaryIO
 
 from armour.errors import Problem, mistake, refuse, suggestion
@@ -44,14 +44,10 @@ def shipped(folder: str) -> Path:
     return installed if installed.is_dir() else _CHECKOUT / folder
 
 
+@cache
 def shipped_files(folder: str, ending: str) -> dict[str, Path]:
     """Return the files in a folder of shipped data and those below it, by name: its path there without the ending."""
-    return _files_below(shipped(folder), ending)
-
-
-@cache
-def _files_below(top: Path, ending: str) -> dict[str, Path]:
-    """Return the files with an ending in a folder and those below it, see `shipped_files`."""
+    top = shipped(folder)
     return {path.relative_to(top).as_posix().removesuffix(ending): path for path in sorted(top.rglob(f"*{ending}"))}
 
 
@@ -90,19 +86,16 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
             return path
     except (OSError, ValueError) as error:
         if name not in files:
-            with_ending = path.with_suffix(".toml")
-            if os.path.isfile(with_ending):
-                raise mistake(path, "", f'cannot be read: {reason(error)}; did you mean "{with_ending}"?') from None
-            stem = path.name.removesuffix(".toml").removesuffix(".csv")
-            alike = "".join(
-                f"; {other} is a shipped {kind}"
-                for kind, names in _kinds().items()
-                for other in names
-                if other.rpartition("/")[2] == stem
+            with_ending, stem = path.with_suffix(".toml"), path.name.removesuffix(".toml").removesuffix(".csv")
+            shipped_names = ((kind, other) for kind, names in _kinds().items() for other in names)
+            alike = [f"; {other} is a shipped {kind}" for kind, other in shipped_names if Path(other).name == stem]
+            hints = (
+                f'; did you mean "{with_ending}"?' * os.path.isfile(with_ending),
+                "".join(alike),
+                suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files]),
+                "; `armour init --list` lists what is shipped",
             )
-            closest = suggestion(path.with_suffix("").as_posix(), [*files]) or suggestion(path.stem, [*files])
-            hint = alike or closest or "; `armour init --list` lists what is shipped"
-            raise mistake(path, "", f"cannot be read: {reason(error)}{hint}") from None
+            raise mistake(path, "", f"cannot be read: {reason(error)}{next(filter(None, hints))}") from None
     return files[name]
 
 
@@ -201,20 +194,9 @@ def printable(text: str) -> str:
     )
 
 
-def shell_word(text: str) -> str:
-    """Quote a word of a command line so that a shell reads it again; control characters and other bytes by their codes.
-
-    The quotes are those of POSIX since 2024, and of older shells such as bash and zsh.
-    """
-    if text.isprintable():
-        return quote(text)
-    codes = [c if c.isprintable() and c not in "'\\" else [*os.fsencode(c)] for c in text]
-    return "$'" + "".join(c if isinstance(c, str) else "".join(f"\\{byte:03o}" for byte in c) for c in codes) + "'"
-
-
 def shell_line(words: Iterable[str]) -> str:
-    """Return words as a command line that is one line of printable text."""
-    return " ".join(map(shell_word, words))
+    """Return words as a command line that is one line of printable text, quoted so that a shell reads them again."""
+    return printable(join(words))
 
 
 def csv_cell(text: str) -> str:

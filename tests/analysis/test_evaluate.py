@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from armour.analysis.evaluate import evaluate, evaluate_groups, groups_of
+from armour.analysis.evaluate import evaluate, groups_of
 from armour.errors import InputError
 from tests.helpers.cases import scenario
 
@@ -38,14 +38,6 @@ def test_other_keys_make_scenarios_and_keep_the_order_of_the_rows():
     assert np.isnan(limits[[1, 3]]).all()
     assert limits[0] < limits[2]
     assert found["areal_density_kg_m2"].tolist() == pytest.approx([38.0425, 38.0425, 44.9025, 44.9025])
-
-
-def test_results_do_not_depend_on_the_threads():
-    columns = {"armour.ceramic_thickness_mm": np.linspace(2.0, 12.0, 700)}
-    groups = groups_of(scenario(), columns)
-    one, four = (evaluate_groups(groups, NAMES, threads)[0] for threads in (1, 4))
-    for name in NAMES:
-        assert (one[name] == four[name]).all()
 
 
 C = "armour.ceramic_thickness_mm"

@@ -69,14 +69,6 @@ def test_dwell_shows_as_ii_2():
     assert result.stages[0].stage == "ii.2"
 
 
-def test_a_time_step_given_is_taken():
-    found, usual = simulate(scenario(solver={"time_step_us": 0.25})), simulate(scenario())
-    assert (found.time_step_us, usual.time_step_us) == (0.25, None)
-    assert found.residual_velocity_m_s == pytest.approx(usual.residual_velocity_m_s, abs=0.01)
-    coarse = simulate(scenario(solver={"time_step_us": 2.0}))
-    assert abs(coarse.residual_velocity_m_s - usual.residual_velocity_m_s) > 1e-4
-
-
 @pytest.mark.parametrize(
     ("solver", "key", "found"),
     [

@@ -5,8 +5,8 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.evaluate import QuantityValues
-from armour.analysis.variants import Variants, ballistic_limits, bisect_rows, variants_of
-from armour.errors import InputError, NoLimitError
+from armour.analysis.variants import Variants, ballistic_limits, variants_of
+from armour.errors import NoLimitError
 from armour.scenario.scenario import Scenario
 from tests.helpers.cases import grid, scenario
 from tests.helpers.exotic import narrow_ranges, random_wide_designs
@@ -74,18 +74,6 @@ def test_limits_outside_the_range():
     fast = alone(case().replaced({"ballistic_limit": {"velocity_min_m_s": 1500.0}}))
     assert np.isnan(QuantityValues(fast).ballistic_limits).all()
     assert fast.limits_anywhere() == pytest.approx(ballistic_limits(alone(case())), abs=0.02)
-
-
-def test_an_unresolved_search_names_its_velocity(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("armour.scenario.schema.Solver.max_steps", 3)
-    with pytest.raises(InputError, match=r"the run at 333\.774 m/s"):
-        ballistic_limits(alone(case()))
-
-
-def test_brackets_are_narrowed_row_by_row():
-    places = np.array([0.3, 0.7, 0.9])
-    found = bisect_rows(lambda values, rows: values >= places[rows], np.arange(3), np.zeros(3), np.ones(3))
-    assert ((found >= places) & (found < places + 1e-6)).all()
 
 
 def test_limits_of_unusual_rows_are_searched_densely_and_in_place():

@@ -38,9 +38,7 @@ def drawn() -> None:
 @pytest.fixture
 def not_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw no pictures of which a session shows only the name; test_answers.py draws one of each answer."""
-    # The runner is last, as the others take its function when they are first imported.
-    for module in ("scenario_commands", "suites", "sweeping", "runner"):
-        monkeypatch.setattr(f"armour.cli.{module}.picture", lambda *_: lambda _path: b"")
+    monkeypatch.setattr("armour.cli.runner.picture", lambda *_: lambda _path: b"")
 
 
 @pytest.fixture(autouse=True)

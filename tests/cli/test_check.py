@@ -10,9 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from armour.design.requirements import GOOD
 from tests.helpers.cases import SCENARIOS
-from tests.properties.test_verdicts import case, rule
 
 FAILS = (SCENARIOS / "wilkins.toml").read_text()
 PASSES = FAILS.replace("velocity_m_s = 800.0", "velocity_m_s = 600.0")
@@ -65,16 +63,6 @@ def test_mistakes_of_all_scenarios_are_told_together(cli, doors: Path):
     ]
 
 
-def test_scenarios_in_folders_below_are_checked(cli, doors: Path):
-    (doors / "hull/floor").mkdir(parents=True)
-    (doors / "hull/floor/C.TOML").write_text(FAILS)
-    result = cli("check", "doors")
-    assert result.stdout.startswith("3 armours: 1 expected to stop, 2 FAILS\n")
-    assert "skipped" not in result.stderr
-    (doors / "hull/floor/C.TOML").write_text("x = 1\n" + FAILS)
-    assert cli.fails(2, "check", "doors")[0].endswith("(line 1)")
-
-
 def unix_socket(path: Path) -> None:
     with socket.socket(socket.AF_UNIX) as opened:
         opened.bind(str(path))
@@ -84,7 +72,7 @@ def unix_socket(path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "counted"),
     [
-        (lambda path: path.write_text("[tool]\n"), "1 file without [impact], [[threat]] or [armour]"),
+        (lambda path: path.write_text("[tool]\n"), "1 other .toml file"),
         (lambda path: path.with_name(".x.toml").write_text(FAILS), "1 hidden file"),
         (lambda path: path.with_name(".x").mkdir(), "1 hidden folder"),
         (lambda path: path.symlink_to("b.toml"), "1 link"),
@@ -105,13 +93,6 @@ def test_what_is_no_scenario_of_a_folder_is_skipped_and_counted(
     assert result.stderr.splitlines()[0] == f"note: skipped {counted}"
 
 
-def test_many_files_are_read_on_request(cli, doors: Path):
-    for number in range(999):
-        (doors / f"{number}.toml").touch()
-    assert cli.fails(2, "check", "doors") == ["command line: 1,001 .toml files in folders; --yes to go on"]
-    assert cli("check", "doors", "--yes").stdout.startswith("2 armours: 1 expected to stop, 1 FAILS\n")
-
-
 def test_a_name_may_begin_with_a_hyphen(cli, folder: Path):
     (folder / "--yes.toml").write_text(PASSES)
     assert cli("check", "--", "--yes.toml").exit_code == 0
@@ -128,27 +109,6 @@ def test_a_scenario_in_a_folder_is_not_replaced_by_its_results(cli, doors: Path)
     for words in ([], ["--set", "armour.ceramic_thickness_mm=-1"]):
         cli.fails(2, "check", "doors", "--junit", "doors/a.toml", "--force", *words)
         assert (doors / "a.toml").read_text() == PASSES
-
-
-@pytest.mark.parametrize("change", ["impact.obliquity_deg=30", "impact.velocity_m_s=900"])
-def test_what_threats_replace_cannot_be_changed(cli, change: str):
-    [told] = cli.fails(2, "check", "catalogue", "--set", change)
-    assert told.endswith("must have an effect: the check does not depend on it")
-
-
-@pytest.mark.parametrize(
-    ("change", "found"),
-    [
-        ("design.areal_density_max_kg_m2=20", "FAILS: areal density 50.8 kg/m², at most 20 kg/m² allowed"),
-        ("design.thickness_max_mm=5", "FAILS: thickness 16 mm, at most 5 mm allowed"),
-        ("design.cost_max_per_m2=3", "(90 % required)"),
-        ("design.added_thickness_mm=4", "50.8 kg/m², 20 mm"),
-        ("design.added_areal_density_kg_m2=4", "54.8 kg/m², 16 mm"),
-        ("uncertainty.impact.velocity_m_s.standard_deviation=100", "at 850 m/s with 45.2 % (sampled "),
-    ],
-)
-def test_what_is_required_of_an_armour_can_be_changed(cli, change: str, found: str):
-    assert found in cli("check", "reliable", "--set", change).stdout.replace("\n", " ")
 
 
 @pytest.mark.usefixtures("folder")
@@ -194,37 +154,6 @@ def test_by_the_model_is_as_excluding_the_model_error(cli, folder: Path):
         assert "ed by the model: " in option.stdout
 
 
-def test_a_bare_plate_needs_no_flow_stress(cli, folder: Path):
-    """A thickness of 0 makes an armour bare, whatever the ceramic."""
-    catalogue = FAILS.replace('"AD85"', '"B4C"').replace("thickness_mm = 6.35", "thickness_mm = 20.0")
-    catalogue = catalogue.replace("ceramic_thickness_mm = 20.0", "ceramic_thickness_mm = 0.0").replace("800.0", "300.0")
-    catalogue += '[[design.ceramic]]\nmaterial = "B4C"\nthickness_mm = [0.0, 2.0]\n'
-    (folder / "bare.toml").write_text(catalogue + '[[design.backing]]\nmaterial = "6061-T6"\nthickness_mm = [20.0]\n')
-    assert cli("check", "bare.toml").exit_code == 0
-    result = cli("optimise", "bare.toml")
-    assert result.exit_code == 0
-    assert "20 mm 6061-T6" in result.stdout
-    assert "0 mm B4C" not in result.stdout
-
-
-def test_a_required_probability_is_not_reached_without_the_model_error(cli):
-    thick = ("--set", "armour.ceramic_thickness_mm=12.6", "--set", "uncertainty.samples=128")
-    assert "passes" not in cli("check", "reliable", *thick, "--set", "uncertainty.model.included=false").stdout
-
-
-def test_no_changes_where_no_velocity_perforates(cli):
-    shown = cli("check", "wilkins", "--set", "armour.ceramic_thickness_mm=900").stdout
-    assert shown.startswith("stopped by the model: 7.62 mm AP at 800 m/s, no limit found\n")
-    assert "changed" not in shown
-
-
-@pytest.mark.usefixtures("doors")
-def test_a_plot_is_of_one_scenario(cli):
-    assert cli.fails(2, "check", "doors", "--plot", "p.svg") == [
-        "command line: --plot: must be given with one scenario, not with several or a folder"
-    ]
-
-
 def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
     assert cli("check", "doors", "--junit", "j.xml").exit_code == 3
     suites = ElementTree.parse(folder / "j.xml").getroot()
@@ -238,24 +167,6 @@ def test_a_suite_of_tests_for_every_scenario(cli, folder: Path, doors: Path):
     (doors / "b.toml").write_text(PASSES)
     assert cli("check", "doors", "--junit", "j.xml").exit_code == 0
     assert "failure " not in (folder / "j.xml").read_text()
-
-
-@pytest.mark.usefixtures("doors")
-def test_names_in_junit_xml_stay_if_a_value_changes(cli, folder: Path):
-    def names() -> list[tuple[str, ...]]:
-        suites = ElementTree.parse(folder / "j.xml").getroot()
-        keys = ("classname", "name", "file")
-        return [
-            (suite.attrib["name"], *(case.attrib[key] for key in keys))
-            for suite in suites
-            for case in suite.iter("testcase")
-        ]
-
-    assert cli("check", "doors", "--junit", "j.xml").exit_code == 3
-    before = names()
-    changes = ("--set", "armour.backing_thickness_mm=9", "--set", "impact.velocity_m_s=700")
-    cli("check", "doors", *changes, "--set", "impact.obliquity_deg=10", "--junit", "j.xml")
-    assert before == names() == [(file, file, "7.62 mm AP", file) for file in ("doors/a.toml", "doors/b.toml")]
 
 
 @pytest.mark.parametrize("command", ["check doors", "validate doors/c.toml"])
@@ -283,14 +194,6 @@ def test_junit_xml_of_others_is_kept(cli, folder: Path, command: str, content: s
     assert cli.fails(2, *words) == ["j.xml: exists already; choose another name, or --force"]
     assert cli(*words, "--force").exit_code in (0, 3)
     assert cli(*words).exit_code in (0, 3)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [6, 13, 15])
-def test_exit_codes_are_those_of_the_verdict(cli, folder: Path, seed: int):
-    (folder / "own.toml").write_text(case(seed).to_toml())
-    expected = (0, 0) if rule(seed) in GOOD else (3, 1)
-    assert (cli("check", "own.toml").exit_code, cli("optimise", "own.toml").exit_code) == expected
 
 
 def test_a_check_against_an_earlier_one(cli, doors: Path):
@@ -335,10 +238,9 @@ def test_a_requirement_on_the_command_line_is_a_floor(cli, folder: Path):
         result = cli("check", "weak.toml", option, "0.9999")
         assert result.exit_code == 3
         assert "(99.99 % required)" in result.stdout
-        assert "the scenario requires 60 %, less than the 99.99 % asked for" in result.stdout
     lower = cli("check", "weak.toml", "--probability", "55%")
     assert lower.exit_code == 0
-    assert "the scenario requires 60 %, more than the 55 % asked for" in lower.stdout
+    assert "(60 % required)" in lower.stdout
     assert cli.fails(2, "check", "weak.toml", "--probability", "95") == [
         "command line: --probability: must be less than 1, found 95; did you mean 0.95?"
     ]
@@ -350,6 +252,16 @@ def test_markdown_for_a_summary(cli, doors: Path):
     cli("check", "doors", "--against", "base.json", "--markdown", "check.md")
     text = (doors.parent / "check.md").read_text()
     assert text.startswith("# Check of armour\n\n2 armours: 1 expected to stop, 1 FAILS\n")
-    assert "| doors/b.toml | 7.62 mm AP at 800 m/s | FAILS |" in text
+    assert "| doors/b.toml | 7.62 mm AP | FAILS |" in text
     assert "## Since the earlier check" in text
     assert "weaker than in base.json" in text
+
+
+def test_scenarios_in_folders_below_are_checked(cli, doors: Path):
+    (doors / "hull/floor").mkdir(parents=True)
+    (doors / "hull/floor/C.TOML").write_text(FAILS)
+    result = cli("check", "doors")
+    assert result.stdout.startswith("3 armours: 1 expected to stop, 2 FAILS\n")
+    assert "skipped" not in result.stderr
+    (doors / "hull/floor/C.TOML").write_text("x = 1\n" + FAILS)
+    assert cli.fails(2, "check", "doors")[0].endswith("(line 1)")

@@ -134,16 +134,6 @@ def test_no_example_is_wider_than_the_page(page: Path):
     assert [line for line in lines if len(line) > WIDTH and not line.startswith(("next: ", "    --set '"))] == []
 
 
-def test_a_session_is_recorded_with_what_it_leaves_out():
-    printed = ["limit 724 m/s", "", "a  b", "─────", "1  2", "3 rows more"]
-    shown = ["...", "a   b", "──────", "1   9", "..."]
-    assert recorded(shown, printed) == ["...", "a  b", "─────", "1  2", "..."]
-    assert recorded(["limit 700 m/s", "..."], printed) == ["limit 724 m/s", "..."]
-    assert recorded(["...", "3 rows more"], printed) == ["...", "3 rows more"]
-    with pytest.raises(ValueError, match="mass"):
-        recorded(["...", "mass 2 g", "..."], printed)
-
-
 @pytest.mark.parametrize("code", EXAMPLES)
 @pytest.mark.usefixtures("empty")
 def test_a_python_example_prints_what_its_comments_show(code: str):
@@ -160,10 +150,6 @@ def test_pictures_are_those_of_the_examples(page: Path):
     examples = [command for block in sessions(page) for command, _ in block] + python(page)
     for name in drawn(page):
         assert any(re.search(rf"\b{re.escape(name)}\b", example) for example in examples), name
-
-
-def test_the_readme_has_a_python_example():
-    assert "```python" in (REPOSITORY / "README.md").read_text()
 
 
 def links(page: Path) -> list[str]:

@@ -27,27 +27,8 @@ def test_a_figure_and_its_curve(cli, folder: Path, image: str, start: bytes):
     assert float(at_4["this program: residual over initial mass"]) == pytest.approx(1.0 - 0.1721, abs=1e-4)
 
 
-@pytest.mark.parametrize("number", ["3", "03"])
-def test_a_figure_by_its_number(cli, folder: Path, number: str):
-    assert cli("figures", "figs", "--only", number).exit_code == 0
-    assert sorted(path.name for path in (folder / "figs").iterdir()) == ["fig03.csv", "fig03.png"]
-    assert 'found "1"' in cli.fails(2, "figures", "figs", "--only", "1")[0]
-
-
 def test_a_parity(cli, folder: Path):
     assert cli("figures", "figs", "--only", "parity_table3", "--format", "svg").exit_code == 0
     with (folder / "figs/parity_table3.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 3 * 13
     assert "agreement" in (folder / "figs/parity_table3.svg").read_text()
-
-
-def test_a_file_in_the_way(cli, folder: Path):
-    (folder / "figs").write_text("")
-    assert cli.fails(2, "figures", "figs") == ["figs: cannot be written to: not a directory"]
-
-
-@pytest.mark.usefixtures("folder")
-def test_an_unknown_format(cli):
-    result = cli("figures", "figs", "--format", "bmp")
-    assert result.exit_code == 2
-    assert "png" in result.stderr

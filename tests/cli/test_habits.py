@@ -12,7 +12,6 @@ import jsonschema
 import pytest
 from typer.testing import CliRunner
 
-from armour import MODEL_VERSION, __version__
 from armour.cli.app import COMMANDS, app
 from tests.cli.test_docs import PAGES, sessions
 from tests.cli.test_golden import GOLDEN
@@ -51,19 +50,6 @@ def test_the_examples_of_the_help_run(cli, folder: Path, example: str):
     assert result.exit_code == 0, result.output
 
 
-@pytest.mark.parametrize("columns", ["40", "60", "70"])
-@pytest.mark.parametrize("command", [*(command.name for command in app.registered_commands), "plan shots"])
-def test_the_help_shows_examples_and_is_not_cut_in_a_narrow_terminal(
-    cli, command: str, columns: str, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setenv("COLUMNS", columns)
-    text = " ".join(cli(*command.split(), "--help").stdout.split())
-    assert "Examples:" in text
-    assert f"armour {command}" in text
-    assert "…" not in text
-    assert "<=" not in text
-
-
 def test_standard_input(cli):
     piped = json.loads(cli("ballistic-limit", "-", "--json", stdin=WILKINS.read_text()).stdout)
     named = json.loads(cli("ballistic-limit", WILKINS, "--json").stdout)
@@ -81,18 +67,6 @@ def test_bytes_that_are_no_text(cli):
     assert (done.exit_code, done.stderr) == (2, "standard input: must be UTF-8 text, found the byte 0xff at 5\n")
 
 
-def test_a_value_nested_too_deeply(cli):
-    assert cli.fails(2, "simulate", WILKINS, "--set", "a=" + "[" * 3000 + "]" * 3000)
-
-
-@pytest.mark.parametrize("time", ["abc", "9" * 5000, "99999999999999"])
-def test_a_wrong_time_in_the_environment(cli, monkeypatch: pytest.MonkeyPatch, time: str):
-    """On which libraries that draw fail."""
-    monkeypatch.setenv("SOURCE_DATE_EPOCH", time)
-    [told] = cli.fails(2, "simulate", WILKINS, "--plot", "a.pdf")
-    assert told.startswith("environment: SOURCE_DATE_EPOCH: must be a number of seconds since 1970, found ")
-
-
 def test_mistakes_are_told_with_their_lines(cli, folder: Path):
     text = WILKINS.read_text().replace("velocity_m_s = 800.0", "velocity_m_s = -800.0")
     (folder / "a.toml").write_text(text)
@@ -108,10 +82,6 @@ def test_no_colour_where_none_is_wanted(cli, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("FORCE_COLOR")
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b" not in cli("library").stdout
-
-
-def test_the_version_names_the_models(cli):
-    assert cli("--version").stdout == f"armour {__version__}, model {MODEL_VERSION}\n"
 
 
 @pytest.fixture(scope="module")
@@ -143,10 +113,3 @@ def test_the_schema_sees_mistakes(schema, line: str):
     for key, value in tomllib.loads(line).items():
         data[key] = {**data.get(key, {}), **value} if isinstance(value, dict) else value
     assert list(schema.iter_errors(data))
-
-
-def test_the_schema_takes_a_number_or_a_table(schema):
-    data = tomllib.loads(WILKINS.read_text())
-    for value in (4.5, {"value": 4.5, "status": "fitted"}):
-        data["library"] = {"ceramic": {"X": {"based_on": "AD85", "flow_stress_GPa": value}}}
-        assert not list(schema.iter_errors(data))

@@ -7,14 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from armour.analysis.ballistic_limit import confidence
-from armour.analysis.impact import simulate
 from armour.cli.layout import rendered
 from armour.reporting.table import Column, Table, VerdictLine
-from armour.reporting.views.analysis import tables_of_impact
-from armour.reporting.views.library import tables_by_kind
-from armour.scenario.library import shipped_library
-from tests.helpers.cases import scenario
 from tests.helpers.examples import examples
 
 PIPE = 1_000_000
@@ -27,29 +21,6 @@ def printed(*items: Table | str, width: int) -> list[str]:
 
 def words(lines: list[str]) -> list[str]:
     return [word for line in lines for word in line.split()]
-
-
-@pytest.fixture(scope="module")
-def tables() -> list[Table]:
-    items = [
-        *tables_of_impact(simulate(scenario()).of(confidence=confidence(scenario()))),
-        *tables_by_kind(shipped_library().entries),
-    ]
-    return [item for item in items if isinstance(item, Table)]
-
-
-@pytest.mark.parametrize("width", [40, 80, 120, PIPE])
-def test_no_word_of_a_table_is_split(tables: list[Table], width: int):
-    for table in tables:
-        lines = printed(table, width=width)
-        assert {word for row in table.texts() for cell in row for word in cell.split()} <= set(words(lines))
-        assert max(cell_len(line) for line in lines) <= width
-
-
-def test_in_a_pipe_every_row_is_a_line(tables: list[Table]):
-    for table in tables:
-        if not table.record:
-            assert len(printed(table, width=PIPE)) == 2 + len(table.rows)
 
 
 @pytest.fixture
@@ -133,65 +104,12 @@ def test_a_record_is_a_list():
     ]
 
 
-def test_titles_and_lines():
-    table = Table((Column("a"),), (("1",),), title="of the table")
-    assert printed(table, "a line", width=80) == ["of the table", "a", "─", "1", "a line"]
-    assert printed("a line", table, width=80) == ["a line", "", "of the table", "a", "─", "1"]
-
-
-def test_prose_is_wrapped_between_words_and_names_are_not():
-    table = Table((Column("name"), Column("source", prose=True)), (("AD99.5 initial flow stress", "word " * 20),))
-    lines = printed(table, width=60)
-    assert "AD99.5 initial flow stress" in lines[2]
-    assert len(lines) > 4
-    assert len(printed(table, width=PIPE)) == 3
-
-
-def test_titles_and_lines_are_wrapped_between_words():
-    table = Table((Column("a"),), (("1",),), title="a title that is too long")
-    assert printed("above, also too long", table, "a line that is too long", width=13) == [
-        "above, also",
-        "too long",
-        "",
-        "a title that",
-        "is too long",
-        "a",
-        "─",
-        "1",
-        "a line that",
-        "is too long",
-    ]
-    assert printed("a line that is too long", width=PIPE) == ["a line that is too long"]
-
-
 @pytest.mark.parametrize("text", ["at most 12 mm", "at least 4 kg/m² of it", "up to 95 % or more", "some 12 J"])
 @pytest.mark.parametrize("width", range(10, 23))
 def test_numbers_keep_their_units(text: str, width: int):
     table = Table((Column("note", prose=True),), ((text,),))
     for lines in (printed(text, width=width), printed(table, width=width)):
         assert not any(line[-1] in "0123456789" for line in lines)
-
-
-def test_a_unit_follows_numbers_only():
-    columns = (Column("limit", "m/s", ".1f"), Column("interval", "m/s"), Column("1" * 20), Column("2" * 20))
-    rows = (("none", "not bounded", "a", ""), (1.0, "0.5 to 1.5", "b", ""))
-    assert printed(Table(columns, rows), width=40)[:2] == [
-        "limit                 none",
-        "interval              not bounded",
-    ]
-    assert printed(Table(columns, rows), width=40)[4:6] == [
-        "limit                 1.0 m/s",
-        "interval              0.5 to 1.5 m/s",
-    ]
-
-
-def test_what_no_terminal_can_show_is_not_cut():
-    name = "x" * 50
-    assert name in words(printed(Table((Column("name"),), ((name,),)), width=40))
-
-
-def test_empty_tables():
-    assert printed(Table((Column("a"),), ()), width=80) == ["a", "─"]
 
 
 def test_control_characters_are_not_obeyed():

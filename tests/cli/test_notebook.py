@@ -11,7 +11,6 @@ pytestmark = pytest.mark.slow
 
 NOTEBOOK = SCENARIOS.parent / "docs" / "study.ipynb"
 # The file stays small enough to be read in a browser.
-MAX_BYTES = 200_000
 
 
 @pytest.mark.usefixtures("folder")
@@ -24,7 +23,3 @@ def test_the_cells_print_what_they_show_in_an_empty_folder():
     for picture in pictures:
         picture["image/png"] = ""
     assert outputs(cells, draw=False) == shown, "make docs writes the outputs"
-
-
-def test_the_outputs_are_small():
-    assert NOTEBOOK.stat().st_size < MAX_BYTES

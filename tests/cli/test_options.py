@@ -1,7 +1,6 @@
-"""Options of commands, whose help agrees with the docstrings of the Python functions of the same name."""
+"""Options of commands, beside the parameters of the Python functions of the same name."""
 
 import inspect
-import re
 from collections.abc import Iterator
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -11,40 +10,15 @@ import typer
 import armour
 from armour.cli import experiments, scenario_commands
 from armour.cli.app import app
-from armour.cli.options import number, share
+from armour.cli.options import parsed_number, parsed_share
 
 COMMANDS = [scenario_commands.optimise, experiments.v50, experiments.calibrate, experiments.plan_shots]
-# Arguments, and options that name files in place of what is read from them.
-OF_FILES = {"scenario", "tests", "earlier"}
 
 
 @pytest.mark.parametrize("words", ["v50 tests/shots wilkins", "calibrate tests/wilkins wilkins"])
 def test_a_table_and_a_scenario_are_given_in_either_order(cli, words: str):
     command, table, scenario = words.split()
     assert cli(command, scenario, table).stdout == cli(command, table, scenario).stdout
-
-
-def described(function: Any) -> dict[str, str]:
-    """Help of the parameters of a function, by its docstring and its defaults."""
-    parameters = inspect.signature(function).parameters
-    found = {}
-    for name, lines in re.findall(r"^(\w+) : .*\n((?:    .+\n)+)", f"{inspect.getdoc(function)}\n", re.MULTILINE):
-        text = " ".join(lines.split()).replace("`", "").removeprefix("Whether to ")
-        default = parameters[name].default if name in parameters else None
-        if isinstance(default, str | int | float) and not isinstance(default, bool) and "default" not in text:
-            text = f"{text} By default {default}." if ". " in text else f"{text[:-1]}; by default {default}."
-        found[name] = text[:1].upper() + text[1:]
-    return found
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_the_help_of_an_option_says_what_the_docstring_says(command: Any):
-    meanings = described(getattr(armour, command.__name__))
-    options = inspect.signature(command).parameters
-    shared = meanings.keys() & options.keys() - OF_FILES
-    assert shared
-    helps = {name: options[name].default.help.removesuffix(" Repeatable.") for name in shared}
-    assert helps == {name: meanings[name] for name in shared}
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -67,8 +41,14 @@ def test_completion_offers_the_words_of_a_choice(command: Any):
 
 def test_words_that_are_numbers_become_numbers():
     """They are those that tables read; a sign of per cent goes with a share, which it divides by 100."""
-    assert [number(text) for text in ("5", "-0.5", "95%", "5 m")] == [5, -0.5, "95%", "5 m"]
-    assert [share(text) for text in ("0.95", "95%", "99.9%", "0.95 %", "9_5%")] == [0.95, 0.95, 0.999, 0.0095, "9_5%"]
+    assert [parsed_number(text) for text in ("5", "-0.5", "95%", "5 m")] == [5, -0.5, "95%", "5 m"]
+    assert [parsed_share(text) for text in ("0.95", "95%", "99.9%", "0.95 %", "9_5%")] == [
+        0.95,
+        0.95,
+        0.999,
+        0.0095,
+        "9_5%",
+    ]
 
 
 def parameters(command: Any) -> Iterator[Any]:

@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.commands import run_in_a_row
 
-COMMANDS = ("simulate wilkins --plot p.png", "report bare_plate --as-is -o r.html")
+COMMANDS = ("simulate wilkins --plot p.png",)
 
 
 def files_made(folder: Path, environment: Mapping[str, str]) -> dict[str, bytes]:
@@ -26,5 +26,5 @@ def test_settings_of_a_folder_or_a_user_change_no_picture(tmp_path: Path):
     (other / "matplotlibrc").write_bytes(b"\xff\xfe")
     (tmp_path / "rc").write_text("font.size: 30\n")
     made = files_made(plain, {})
-    assert {*made} == {"p.png", "r.html"}
+    assert {*made} == {"p.png"}
     assert files_made(other, {"MPLBACKEND": "none", "MATPLOTLIBRC": str(tmp_path / "rc")}) == made

@@ -1,7 +1,5 @@
 """`armour plan shots`."""
 
-import subprocess
-import sys
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -65,12 +63,8 @@ def test_a_shot_is_taken_back(cli, folder: Path):
     assert (folder / "f.csv").read_text() == before
     assert cli(*PLAIN, "--undo").exit_code == 0
     assert cli.fails(2, *PLAIN, "--undo") == ["f.csv: must have a shot to take back, found none"]
-    assert cli.fails(2, "plan", "shots", "wilkins", "--undo") == [
-        "command line: --undo: must be given with SHOTS, from which it takes a shot back"
-    ]
-    assert cli.fails(2, *PLAIN, "--undo", "--result", "P") == [
-        "command line: --undo: must be given without --result and the like"
-    ]
+    assert cli.fails(2, "plan", "shots", "wilkins", "--undo") == ["command line: --undo: must be given with SHOTS"]
+    assert cli.fails(2, *PLAIN, "--undo", "--result", "P") == ["command line: --undo: must be given without --result"]
 
 
 def test_a_shot_at_another_armour_is_refused(cli, folder: Path):
@@ -82,7 +76,7 @@ def test_a_shot_at_another_armour_is_refused(cli, folder: Path):
         assert line.startswith("f.csv: armour and round: must be the scenario's, ")
         assert line.endswith(", found 6.35 mm AD85 on 6.35 mm 6061-T6 against 7.62 mm AP")
     assert (folder / "f.csv").read_text() == before
-    assert cli(*PLAIN, "--set", "impact.velocity_m_s=900", "--result", "C", "--velocity-m-s", "780").exit_code == 0
+    assert cli(*PLAIN, "--result", "C", "--velocity-m-s", "780").exit_code == 0
     assert "warning: f.csv, wilkins: armour and round: must be the" in cli("v50", *PLAIN[3:1:-1], *other).stderr
 
 
@@ -105,11 +99,3 @@ def test_a_save_between_reading_and_writing_stays(cli, folder: Path, monkeypatch
     assert not (folder / "p.svg").exists()
     assert cli(*options).exit_code == 0
     assert table.read_text() == f"{saved}750,C\n"
-
-
-def test_two_shots_at_once_are_both_there(folder: Path):
-    command = [sys.executable, "-m", "armour", *PLAIN, "--result", "partial"]
-    velocities = ("700", "710")
-    started = [subprocess.Popen([*command, "--velocity-m-s", velocity], cwd=folder) for velocity in velocities]
-    assert [process.wait() for process in started] == [0, 0]
-    assert sorted(row.split(",")[1] for row in rows(folder / "f.csv")[1:]) == [*velocities]

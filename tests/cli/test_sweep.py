@@ -8,10 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.quantities import QUANTITIES
 from armour.cli.sweeping import ANSWERED
-from armour.scenario.scenario import load_scenario
 from armour.sweeps.tables import read_table
 from tests.helpers.cases import SCENARIOS
 
@@ -40,20 +37,6 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     assert "ballistic limit, m/s" in svg
     assert "kg/m²" in svg
     assert not (folder / "t.csv.parts").exists()
-
-
-@pytest.mark.parametrize(
-    "over", [(f"{CERAMIC}=6,7",), (f"{CERAMIC}=6,7", "armour.backing_thickness_mm=5,6")], ids=["curve", "map"]
-)
-@pytest.mark.usefixtures("folder")
-def test_a_picture_of_no_number_says_so(cli, over: tuple[str, ...]):
-    grid = [word for values in over for word in ("--over", values)]
-    slow = ("--set", "ballistic_limit.velocity_max_m_s=100")
-    result = cli("sweep", WILKINS, *grid, *slow, "-o", "t.csv", "--plot", "t.svg")
-    assert result.exit_code == 0
-    assert result.stderr.splitlines()[-1] == "wrote t.svg"
-    rows = 2 ** len(over)
-    assert f"{rows} of {rows} rows have no ballistic limit." in Path("t.svg").read_text()
 
 
 def test_without_a_file_the_answers_are_printed(cli, folder: Path):
@@ -91,12 +74,6 @@ def test_what_needs_a_file(cli, words: tuple[str, ...], found: str):
     assert cli.fails(2, "sweep", WILKINS, *words) == [f"command line: {found}"]
 
 
-@pytest.mark.parametrize("output", [".", "/"])
-@pytest.mark.usefixtures("folder")
-def test_a_folder_is_no_table(cli, output: str):
-    assert cli.fails(2, "sweep", WILKINS, *OVER, "-o", output) == [f"{output or '.'}: cannot be written: is a folder"]
-
-
 def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytest.MonkeyPatch):
     def interrupted(*_args, **_settings):
         raise KeyboardInterrupt
@@ -107,11 +84,9 @@ def test_interrupted_it_says_how_to_resume(cli, folder: Path, monkeypatch: pytes
         patch.setattr("armour.sweeps.store.Store.finish", interrupted)
         [line] = cli.fails(130, *command)
     assert line == "interrupted; 5 of 5 rows are done; repeat the same sweep to resume"
-    with (folder / "t.csv.parts" / "rows").open("r+b") as rows:
-        rows.write(b"no database")
     result = cli(*command)
-    damaged = "t.csv.parts/rows: damaged, all rows are computed again"
-    assert (result.exit_code, result.stderr.splitlines()) == (0, [damaged, "wrote t.csv: 5 rows"])
+    resumed = "resuming t.csv.parts: 5 of 5 rows"
+    assert (result.exit_code, result.stderr.splitlines()) == (0, [resumed, "wrote t.csv: 5 rows"])
     assert (folder / "t.csv").read_text().count("\n") == 6
 
 
@@ -132,11 +107,6 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     monkeypatch.setattr("armour.cli.runner.ANNOUNCED_S", 0.0)
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
     assert result.stderr.splitlines() == ["1 row; about 1 second", "wrote t.csv: 1 row"]
-
-
-def test_the_help_lists_every_quantity(cli):
-    text = " ".join(cli("sweep", "--help").stdout.split()).replace("│ │", "")
-    assert [name for name in QUANTITIES if name not in text] == []
 
 
 KILLED = """
@@ -161,32 +131,10 @@ def test_killed_it_goes_on_where_it_stopped(cli, folder: Path):
     done = subprocess.run([sys.executable, "-c", KILLED, *command, "-o", "t.csv"], check=False)
     assert done.returncode == -signal.SIGKILL
     assert (folder / "t.csv.parts" / "rows").exists()
-    assert re.match(
-        r"resuming t\.csv\.parts, written \d+ seconds? ago: 10 of 63 rows\n", cli(*command, "-o", "t.csv").stderr
-    )
+    assert cli(*command, "-o", "t.csv").stderr.startswith("resuming t.csv.parts: 10 of 63 rows\n")
     assert cli(*command, "-o", "whole.csv").exit_code == 0
     assert (folder / "t.csv").read_bytes() == (folder / "whole.csv").read_bytes()
     assert (folder / "t.csv").read_bytes().count(b"\n") == 21 * 3 + 1
-
-
-def test_materials_and_projectiles_by_name(cli, folder: Path):
-    header, rows = (
-        "armour.ceramic,ceramic.flow_stress_GPa,armour.backing,impact.projectile",
-        ("AD85,5.2,6061-T6,7.62 mm AP", "AD99.5,5.9,5083-H3,7.62 mm APM2", "AD85,5.3,6061-T6,7.62 mm AP"),
-    )
-    (folder / "c.csv").write_text("\n".join((header, *rows)))
-    assert cli("sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv").exit_code == 0
-    with (folder / "t.csv").open() as file:
-        found = list(csv.DictReader(file))
-    for row in found:
-        limit = float(row.pop("ballistic_limit_m_s"))
-        case = load_scenario(WILKINS, {**row, "ceramic.flow_stress_GPa": float(row["ceramic.flow_stress_GPa"])})
-        assert ballistic_limit(case).ballistic_limit_m_s == limit
-    (folder / "c.csv").write_text("\n".join((header, *rows, "AD85,5.2,6061-T7,7.62 mm AP")))
-    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "u.csv")
-    assert line.startswith(
-        'c.csv: line 5: armour.backing: must name a metal of the library, found "6061-T7"; choose from 6061-T6 '
-    )
 
 
 FORMULAS = ["=cmd|' /C calc'!A0", "+1", "@x", "-1", "'=y"]
@@ -215,12 +163,3 @@ def test_names_are_no_formulas_and_are_read_again(cli, folder: Path):
             csv.writer(file).writerows(row[:2] for row in rows)
     assert (folder / "first.csv").read_bytes() == (folder / "second.csv").read_bytes()
     assert read_table(folder / "first.csv")["armour.ceramic"].tolist() == FORMULAS
-
-
-def test_a_wrong_row_of_cases_has_its_line(cli, folder: Path):
-    keys = "projectile.penetrator_diameter_mm,projectile.penetrator_mass_g"
-    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n\n65,5460\n0.65,5.46\n")
-    [line] = cli.fails(2, "sweep", WILKINS, "--cases", "c.csv", "-o", "t.csv")
-    assert line.startswith("c.csv: line 5: projectile.penetrator_mass_g: must make a rod")
-    (folder / "c.csv").write_text(f"{keys}\n6.5,5.46\n65,5460\n0.65,0.00546\n")
-    assert cli("sweep", WILKINS, "--cases", "c.csv", "--quantities", "outcome", "-o", "t.csv").exit_code == 0

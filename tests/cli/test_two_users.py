@@ -70,7 +70,7 @@ def test_rows_of_a_sweep_in_a_folder_that_he_can_write_to(shared: Path, tmp_path
 
     over = "armour.ceramic_thickness_mm=6:14:0.008"
     with other_user(exchange):
-        result = run("sweep", "wilkins", "--over", over, "-o", "a.csv", "--threads", 1, folder=shared)
+        result = run("sweep", "wilkins", "--over", over, "-o", "a.csv", folder=shared)
     assert [path.read_text() for path in hers.iterdir()] == ["hers"] * 4
     if mode == 0o777:
         assert "a.csv: must be in a folder that no other user can exchange" in result.stderr

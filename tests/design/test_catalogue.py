@@ -25,9 +25,9 @@ UNCERTAIN = {
 
 
 def test_constraints_are_met_and_what_is_added_counts():
-    added = {"added_areal_density_kg_m2": 1.5, "added_thickness_mm": 0.5, "added_cost_per_m2": 20.0}
-    limits = {"thickness_max_mm": 16.5, "cost_max_per_m2": 1500.0}
-    best = best_of(optimise(catalogue(**added, **limits)))
+    cover = {"thickness_mm": 0.5, "areal_density_kg_m2": 1.5, "cost_per_m2": 20.0, "name": "cover", "place": "front"}
+    limited = catalogue(thickness_max_mm=16.5, cost_max_per_m2=1500.0)
+    best = best_of(optimise(limited.replaced({"armour.layer": [cover]})))
     stopping = [values for _, values in designs(catalogue(), stops)]
     kept = [v for v in stopping if v["thickness_mm"] + 0.5 <= 16.5 and v["cost_per_m2"] + 20.0 <= 1500.0]
     assert 0 < len(kept) < len(stopping)
@@ -64,14 +64,6 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
 
     assert holds(best.ceramic_thickness_mm)
     assert not holds(best.ceramic_thickness_mm - 0.01 - 2e-6)
-
-
-def test_a_density_in_place_of_the_librarys():
-    offers = catalogue_of(catalogue()).offers
-    assert [offer.ceramic_density_kg_m3 for offer in offers] == [3430.0, 3430.0, 3900.0, 3900.0]
-    ceramics = [{"material": "AD85", "thickness_mm": [11.0], "density_kg_m3": 3480.0}]
-    best = best_of(optimise(catalogue(ceramic=ceramics)))
-    assert best.ceramic_density_kg_m3 == 3480.0
 
 
 def test_what_costs_nothing():
@@ -118,7 +110,7 @@ def test_a_catalogue_of_bare_plates_needs_no_grid():
 
 def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
     layers = offer("SiC", [8.0], "6061-T6", 8.0)
-    found = optimise(scenario(design={**layers, "confidence": 0.9, "thickness_max_mm": 5.0}))
+    found = optimise(scenario(design={**layers, "probability_of_stopping": 0.9, "thickness_max_mm": 5.0}))
     assert (found.reason, found.shown.check.threats[0].verdict) == ("none passes", "not known")
     assert [row.verdict for row in found.shown.check.requirements] == ["fails"]
 
@@ -126,7 +118,7 @@ def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
 def test_nothing_on_offer():
     assert optimise(catalogue(thickness_max_mm=5.0)).shown.exceeds.keys() == {"thickness_max_mm"}
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
-    for constraint in ({}, {"thickness_max_mm": 20.0}, {"confidence": 0.9}):
+    for constraint in ({}, {"thickness_max_mm": 20.0}, {"probability_of_stopping": 0.9}):
         result = optimise(catalogue(fast, **constraint))
         assert (result.best, result.reason, result.shown.check.verdict) == (None, "none passes", "fails")
 
@@ -156,7 +148,6 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
             "must be at most 10000 together, found 800 and 9500",
         ),
         (lambda: catalogue([{**THREATS[0], "name": "a\x1b[31m"}]), "must be one line of printable text"),
-        (lambda: catalogue(added_cost_per_m2=1e308), "design.added_cost_per_m2: must be at most 1e+09"),
         (lambda: catalogue(pareto=["thickness_mm"]), "must list at least 2 values, found 1"),
         (
             lambda: catalogue([THREATS[1], THREATS[1]]),
@@ -241,7 +232,9 @@ def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_wha
     def found(*offered: dict[str, Any], confidence: float | None = 0.6) -> DesignResult:
         metals = [{"material": "6061-T6", "thickness_mm": [8.0]}]
         return optimise(
-            scenario(threat=threats, design={"ceramic": offered, "backing": metals, "confidence": confidence})
+            scenario(
+                threat=threats, design={"ceramic": offered, "backing": metals, "probability_of_stopping": confidence}
+            )
         )
 
     first, second, third = found(*ceramics).pairs

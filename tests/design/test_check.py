@@ -53,13 +53,13 @@ def test_every_threat_and_change_is_what_the_scenario_says_when_changed():
     ("velocity", "required", "passed"), [(600.0, 0.9, True), (700.0, 0.9, False), (700.0, 0.55, True)]
 )
 def test_the_probability_that_is_required_decides(velocity: float, required: float, passed: bool):
-    found = check(scenario(velocity=velocity, design={"confidence": required}))
+    found = check(scenario(velocity=velocity, design={"probability_of_stopping": required}))
     assert found.verdict == ("passes" if passed else "fails")
     assert found.threats[0].required_probability == required
 
 
 def test_a_probability_that_is_unknown_does_not_pass():
-    found = check(scenario(ceramic="SiC", velocity=300.0, design={"confidence": 0.6}))
+    found = check(scenario(ceramic="SiC", velocity=300.0, design={"probability_of_stopping": 0.6}))
     assert found.verdict == "not known"
     assert found.threats[0].reason
     assert check(scenario(ceramic="SiC", velocity=300.0)).verdict == "stopped by the model"

@@ -78,7 +78,7 @@ def test_the_error_of_the_model_needs_more_armour():
 
 def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
     steps = {"ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 16.0, "step": 1.0}}]}
-    best = best_of(optimise(catalogue([THREAT], confidence=0.9, **steps)))
+    best = best_of(optimise(catalogue([THREAT], probability_of_stopping=0.9, **steps)))
     bound = best_of(optimise(catalogue([{**THREAT, "probability_of_perforation": 0.1}], **steps)))
     assert best == bound
     # Brute force over plain ballistic limits: of the designs that are no heavier, only the best passes.
@@ -106,7 +106,7 @@ def test_without_uncertain_inputs_the_bound_is_that_of_the_models_error():
 
 def test_free_thicknesses_reach_a_confidence():
     free = offer("AD85", {"min": 4.0, "max": 16.0}, "6061-T6", {"min": 4.0, "max": 12.0})
-    best = best_of(optimise(catalogue([THREAT], confidence=0.9, **free)))
+    best = best_of(optimise(catalogue([THREAT], probability_of_stopping=0.9, **free)))
     [probability] = best.probabilities_of_stopping.values()
     assert 0.9 <= known(probability) < 0.9005  # thicknesses are rounded up to 0.01 mm
 
@@ -119,7 +119,7 @@ def test_the_thickness_of_an_absent_ceramic_does_not_vary():
 
 
 def test_a_pair_whose_error_is_not_known_has_its_best_by_the_limit_and_comes_last():
-    found = optimise(catalogue([THREAT], FROM_TESTS, confidence=0.6))
+    found = optimise(catalogue([THREAT], FROM_TESTS, probability_of_stopping=0.6))
     by_limit = {(pair.ceramic, pair.backing): pair.best for pair in optimise(catalogue([THREAT], FROM_TESTS)).pairs}
     unknown = {(pair.ceramic, pair.backing): pair for pair in found.pairs if not pair.ranked}
     assert ("AD99.5", "6061-T6") in unknown
@@ -129,10 +129,12 @@ def test_a_pair_whose_error_is_not_known_has_its_best_by_the_limit_and_comes_las
         assert pair.best is not None
         assert pair.best.model_error is None
         assert pair.best.areal_density_kg_m2 == of_limit.areal_density_kg_m2
-    sampled = optimise(catalogue([THREAT], {**UNCERTAIN, "model": None}, confidence=0.6))
+    sampled = optimise(catalogue([THREAT], {**UNCERTAIN, "model": None}, probability_of_stopping=0.6))
     assert {(pair.ceramic, pair.backing) for pair in sampled.pairs if not pair.ranked} == unknown.keys()
     given = catalogue(
-        [THREAT], {"model": {"scale_percent": 5.0, "degrees_of_freedom": 1e6, "source": "tests"}}, confidence=0.6
+        [THREAT],
+        {"model": {"scale_percent": 5.0, "degrees_of_freedom": 1e6, "source": "tests"}},
+        probability_of_stopping=0.6,
     )
     assert all(pair.best is not None for pair in optimise(given).pairs)
 
@@ -146,7 +148,7 @@ def test_an_error_that_is_not_known_against_one_threat():
             "the model was compared with no test",
         ),
     ):
-        result = optimise(catalogue([known, other], FROM_TESTS, ceramic=CERAMICS[:1], confidence=0.6))
+        result = optimise(catalogue([known, other], FROM_TESTS, ceramic=CERAMICS[:1], probability_of_stopping=0.6))
         assert (result.best, result.reason) == (None, "not known")
         assert why in result.shown.check.threats[1].reason
 
@@ -154,7 +156,9 @@ def test_an_error_that_is_not_known_against_one_threat():
 def test_a_confidence_is_kept_by_the_error_of_tests():
     """The lightest of all designs whose probability is enough, one by one; of each back plate the thinnest."""
     layers = offer("AD85 backing law", {"min": 5.0, "max": 12.0, "step": 0.5}, "6061-T6", [5.0, 7.0, 9.0])
-    case = catalogue([{"projectile": "7.62 mm AP", "velocity_m_s": 750.0}], FROM_TESTS, confidence=0.9, **layers)
+    case = catalogue(
+        [{"projectile": "7.62 mm AP", "velocity_m_s": 750.0}], FROM_TESTS, probability_of_stopping=0.9, **layers
+    )
     result = optimise(case)
     probabilities = {}
     for hb in (5.0, 7.0, 9.0):

@@ -1,6 +1,5 @@
 """What is required of an armour: rows that each have a verdict."""
 
-import re
 from typing import Any
 
 import numpy as np
@@ -47,26 +46,23 @@ def rows(of: Scenario) -> dict[str, Any]:
 
 def test_a_margin_is_held_against_an_armour_that_is_probable_enough():
     threat = [{"projectile": "7.62 mm AP", "velocity_m_s": 500.0, "margin_m_s": 400.0}]
-    found = check(scenario(threat=threat, design={"confidence": 0.9}))
+    found = check(scenario(threat=threat, design={"probability_of_stopping": 0.9}))
     assert (found.verdict, found.threats[0].verdict) == ("fails", "fails")
-    own = rows(scenario(threat=threat, design={"confidence": 0.9}))
+    own = rows(scenario(threat=threat, design={"probability_of_stopping": 0.9}))
     assert own["margin_m_s"] == (400.0, pytest.approx(215.1, abs=0.1), "fails")
     assert own["probability_of_stopping"][2] == "passes"
 
 
 def test_limits_of_the_design_are_held_against_an_armour():
     limits = {"areal_density_max_kg_m2": 20.0, "thickness_max_mm": 13.0, "cost_max_per_m2": 500.0}
-    found = rows(
-        scenario(velocity=500.0, design={**limits, "added_thickness_mm": 0.4, "added_areal_density_kg_m2": 1.0})
-    )
-    assert found["areal_density_kg_m2"] == (20.0, pytest.approx(40.24, abs=0.01), "fails")
-    assert found["thickness_mm"] == (13.0, pytest.approx(13.1), "fails")
+    found = rows(scenario(velocity=500.0, design=limits).replaced({"armour.layer": [layer("front")]}))
+    assert found["areal_density_kg_m2"] == (20.0, pytest.approx(40.44, abs=0.01), "fails")
+    assert found["thickness_mm"] == (13.0, pytest.approx(13.7), "fails")
     assert found["cost_per_m2"] == (500.0, None, "not known")
 
 
 def test_an_armour_has_one_weight():
-    design = {**OWN, "added_areal_density_kg_m2": 1.2, "added_thickness_mm": 1.0}
-    of = scenario(velocity=600.0, design=design)
+    of = scenario(velocity=600.0, design=OWN).replaced({"armour.layer": [layer("behind")]})
     best = best_of(optimise(of))
     assert check(of).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2)
     assert simulate(of).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2)
@@ -80,35 +76,15 @@ def test_a_cost_that_is_not_complete_is_no_total():
     assert check(of).cost_per_m2 == pytest.approx(best_of(optimise(of)).cost_per_m2)
 
 
-@pytest.mark.parametrize(
-    ("free", "key"),
-    [
-        ({"armour.layer": [{**COVER, "place": "front"}]}, "armour.layer[0].cost_per_m2"),
-        ({"design.added_thickness_mm": 1.0}, "design.added_cost_per_m2"),
-    ],
-)
-def test_a_layer_without_a_cost_is_not_free(free: dict[str, Any], key: str):
-    of = scenario(velocity=600.0, design=HULL).replaced(free)
+def test_a_layer_without_a_cost_is_not_free():
+    of = scenario(velocity=600.0, design=HULL).replaced({"armour.layer": [{**COVER, "place": "front"}]})
     assert rows(of)["cost_per_m2"] == (300.0, None, "not known")
-    with pytest.raises(InputError, match=re.escape(f"{key}: must be given if [design] asks for costs")):
+    with pytest.raises(InputError, match=r"armour\.layer\[0\]\.cost_per_m2: must be given if \[design\] asks for"):
         optimise(of)
     assert best_of(optimise(of.replaced({"design.cost_max_per_m2": None}))).cost_per_m2 is None
-    known = {key: 7.0} if "added" in key else {"armour.layer": [{**COVER, "place": "front", "cost_per_m2": 7.0}]}
+    known = {"armour.layer": [{**COVER, "place": "front", "cost_per_m2": 7.0}]}
     costs = check(scenario(velocity=600.0, design=HULL)).cost_per_m2, check(of.replaced(known)).cost_per_m2
     assert costs[1] == pytest.approx((costs[0] or 0.0) + 7.0)
-
-
-@pytest.mark.parametrize(("role", "density"), [("ceramic", 3430.0), ("backing", 2750.0)])
-def test_a_density_of_the_catalogue_that_the_armour_lacks_is_named(role: str, density: float):
-    def warnings(density: float) -> list[str]:
-        layers = [{**OWN[role][0], "density_kg_m3": density}]
-        return [note for note in check(scenario(design={**OWN, role: layers})).warnings if "is not used" in note]
-
-    [note] = warnings(density + 100.0)
-    assert note.startswith(
-        f"design.{role}[0].density_kg_m3: is not used: {OWN[role][0]['material']} has {density:g} kg/m³"
-    )
-    assert not warnings(density)
 
 
 def test_an_impact_within_the_bracket_of_the_limit_fails_where_it_perforates():
@@ -127,7 +103,7 @@ def test_a_ceramic_of_one_source_is_not_known(velocity: float):
     known = of.replaced(
         {
             "uncertainty.model": {"scale_percent": 5.0, "degrees_of_freedom": 1e6, "source": "tests"},
-            "design.confidence": 0.9,
+            "design.probability_of_stopping": 0.9,
         }
     )
     assert check(known).verdict == check(of).verdict
@@ -190,7 +166,7 @@ def test_own_tests_give_a_flow_stress_for_which_another_needs_sources():
 @pytest.mark.parametrize("missing", ["source", "degrees_of_freedom"])
 def test_an_error_given_without_source_or_degrees_of_freedom_is_not_known(missing: str):
     error = {"scale_percent": 5.0, "degrees_of_freedom": 12.0, "source": "13 tests"}
-    of = scenario(ceramic="SiC", velocity=300.0, design={"confidence": 0.9}, uncertainty={"model": error})
+    of = scenario(ceramic="SiC", velocity=300.0, design={"probability_of_stopping": 0.9}, uncertainty={"model": error})
     assert check(of).verdict == "passes"
     del error[missing]
     bare = of.replaced({"uncertainty.model": None}).replaced({"uncertainty.model": error})
@@ -201,13 +177,15 @@ def test_an_error_given_without_source_or_degrees_of_freedom_is_not_known(missin
 @pytest.mark.parametrize("sampled", [{}, {"ceramic": {"flow_stress_GPa": NARROW}}])
 def test_without_the_model_error_a_required_probability_is_never_reached(sampled: dict[str, Any]):
     excluded = {**sampled, "model": {"included": False}}
-    of = scenario(velocity=300.0, design={**OWN, "confidence": 0.6}, uncertainty=excluded)
+    of = scenario(velocity=300.0, design={**OWN, "probability_of_stopping": 0.6}, uncertainty=excluded)
     assert (check(of).verdict, optimise(of).reason) == ("not known", "not known")
     assert check(of.replaced({"impact.velocity_m_s": 1500.0})).verdict == "fails"
 
 
 def test_without_the_model_error_no_probability_is_known():
-    of = scenario(velocity=600.0, design={**OWN, "confidence": 0.9}, uncertainty={"model": {"included": False}})
+    of = scenario(
+        velocity=600.0, design={**OWN, "probability_of_stopping": 0.9}, uncertainty={"model": {"included": False}}
+    )
     assert (check(of).verdict, optimise(of).reason) == ("not known", "not known")
     assert "uncertainty.model excludes the model error" in optimise(of).shown.check.threats[0].reason
 
@@ -228,7 +206,7 @@ def test_a_sampled_probability_is_that_of_uncertainty_and_of_the_design():
 
 @pytest.mark.parametrize("limit", [{}, {"areal_density_max_kg_m2": 20.0}])
 def test_the_row_as_given_has_what_is_judged_and_rows_of_changes_have_no_verdict(limit: dict[str, float]):
-    found = check(scenario(velocity=600.0, uncertainty=SAMPLED, design={"confidence": 0.6, **limit}))
+    found = check(scenario(velocity=600.0, uncertainty=SAMPLED, design={"probability_of_stopping": 0.6, **limit}))
     assert found.threats[0].verdict == "passes"
     given, *changed = found
     assert (given["change"], given["verdict"]) == ("as given", found.verdict)
@@ -239,7 +217,7 @@ def test_the_row_as_given_has_what_is_judged_and_rows_of_changes_have_no_verdict
 def test_a_sampled_probability_near_the_one_required_is_not_known():
     of = scenario(velocity=650.0, uncertainty={"samples": 128, **SAMPLED})
     odds = probability_of_perforation(of)
-    asked = of.replaced({"design.confidence": 1.0 - odds.value})
+    asked = of.replaced({"design.probability_of_stopping": 1.0 - odds.value})
     assert check(asked).verdict == "not known"
     [row] = check(asked).threats[0].requirements
     assert row.interval is not None
@@ -268,7 +246,7 @@ def test_rows_of_a_design_are_built_few_times(monkeypatch: pytest.MonkeyPatch):
         return rows_of(self, candidates)
 
     monkeypatch.setattr(Catalogue, "against_each", counted)
-    optimise(load_scenario(SCENARIOS / "panel.toml", {"design.confidence": 0.9}))
+    optimise(load_scenario(SCENARIOS / "panel.toml", {"design.probability_of_stopping": 0.9}))
     assert len(counts) > 1000
     assert max(counts.values()) <= 4
     assert np.mean(list(counts.values())) < 1.1
@@ -304,29 +282,15 @@ def test_the_back_plate_of_the_armour_is_the_one_that_exists():
     assert (best.backing, best.backing_thickness_mm) == ("6061-T6", 6.35)
 
 
-@pytest.mark.parametrize("other", [{"thickness_mm": [12.0]}, {"material": "7075-T6"}])
+@pytest.mark.parametrize("other", [{"thickness_mm": [6.35, 12.0]}, {"material": "7075-T6"}])
 def test_a_back_plate_that_exists_is_that_of_the_armour(other: dict[str, Any]):
     design = {**HULL, "backing": [{**HULL["backing"][0], **other}]}
-    with pytest.raises(
-        InputError, match=r"design\.backing\[0\]: must be the back plate of \[armour\].*6\.35 mm 6061-T6"
-    ):
+    with pytest.raises(InputError, match=r"design\.backing: must be the back plate of \[armour\].*6\.35 mm 6061-T6"):
         optimise(scenario(velocity=600.0, design=design))
     check_effect([parts_of(key) for key in (BACKING, "armour.backing")], [(scenario(design=HULL), ("design",))], "f")
 
 
-@pytest.mark.parametrize("place", ["front", "behind"])
-def test_a_layer_counts_as_what_a_design_adds(place: str):
-    """Layers in front and behind are those of [design] with a name and a place."""
-    with_layer = scenario(velocity=600.0, design=OWN).replaced({"armour.layer": [layer(place)]})
-    added = {"added_thickness_mm": 1.0, "added_areal_density_kg_m2": 1.2}
-    by_keys = scenario(velocity=600.0, design={**OWN, **added})
-    for question in (check, optimise, simulate):
-        own, other = (question(of).to_dict() for of in (with_layer, by_keys))
-        own.pop("made_by", None), other.pop("made_by", None)
-        assert own == other
-
-
-@pytest.mark.parametrize("design", [{}, {"confidence": 0.6}])
+@pytest.mark.parametrize("design", [{}, {"probability_of_stopping": 0.6}])
 def test_an_armour_with_a_layer_between_tile_and_back_plate_never_passes(design: dict[str, Any]):
     of = scenario(velocity=500.0, design={**OWN, **design})
     between = of.replaced({"armour.layer": [layer("between")]})
@@ -352,26 +316,16 @@ SEVERAL: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("key", ["confidence", "probability_of_stopping"])
-def test_of_what_is_required_and_asked_for_the_stricter_holds(key: str):
-    of = scenario(threat=SEVERAL, design={**OWN, key: 0.8})
+def test_of_what_is_required_and_asked_for_the_stricter_holds():
+    of = scenario(threat=SEVERAL, design={**OWN, "probability_of_stopping": 0.8})
     for result in (check(of, probability=0.9), check(of.requiring(0.9))):
         assert [threat.required_probability for threat in result.threats] == pytest.approx([0.9, 0.99, 0.9])
         assert result.verdict == "fails"
-        assert result.warnings[:3] == (
-            "the scenario requires 60 %, less than the 90 % asked for, against weak",
-            "the scenario requires 99 %, more than the 90 % asked for, against strong",
-            "the scenario requires 80 %, less than the 90 % asked for, against usual",
-        )
     assert [threat.required_probability for threat in check(of).threats] == pytest.approx([0.6, 0.99, 0.8])
     assert optimise(of, probability=0.9).to_dict() == optimise(of.requiring(0.9)).to_dict()
-    assert optimise(of, probability=0.9).warnings[:3] == check(of, probability=0.9).warnings[:3]
 
 
-def test_a_required_probability_has_one_key():
-    message = "design: must have probability_of_stopping or confidence, its other name, found both"
-    with pytest.raises(InputError, match=message):
-        scenario(design={"confidence": 0.9, "probability_of_stopping": 0.9})
+def test_a_required_probability_is_below_1():
     for ask in (check, optimise):
         with pytest.raises(InputError, match=f"{ask.__name__}: probability: must be less than 1, found 95.0; did you"):
             ask(scenario(), probability=95.0)

@@ -217,12 +217,14 @@ def test_the_passing_thicknesses_may_end_below_the_greatest_on_offer():
     """Of the thickest, beyond the evidence, no probability is known: thinner ones pass all the same."""
     plate = scenario("7.62 mm APM2", None, "AA7039-T64", 0.0, 40.0)
     layer = {"material": "AA7039-T64", "thickness_mm": {"min": 20.0, "max": 110.0}}
-    wide = plate.replaced({"design": {"confidence": 0.95, "backing": [layer]}})
+    wide = plate.replaced({"design": {"probability_of_stopping": 0.95, "backing": [layer]}})
     narrow = wide.replaced({"design.backing": [{**layer, "thickness_mm": {"min": 20.0, "max": 60.0}}]})
     assert best_of(optimise(wide)).backing_thickness_mm == pytest.approx(best_of(optimise(narrow)).backing_thickness_mm)
     ceramic = {"material": "AD85", "thickness_mm": {"min": 4.0, "max": 20.0}}
     metal = {"material": "5083-H3", "thickness_mm": [7.0, 8.5]}
-    wide = scenario(backing="5083-H3", design={"confidence": 0.9, "ceramic": [ceramic], "backing": [metal]})
+    wide = scenario(
+        backing="5083-H3", design={"probability_of_stopping": 0.9, "ceramic": [ceramic], "backing": [metal]}
+    )
     narrow = wide.replaced({"design.ceramic": [{**ceramic, "thickness_mm": {"min": 4.0, "max": 12.0}}]})
     best = best_of(optimise(narrow))
     assert best_of(optimise(wide)).areal_density_kg_m2 == pytest.approx(best.areal_density_kg_m2, abs=2e-4)

@@ -1,11 +1,8 @@
 """Equations that a program changes."""
 
 import logging
-import tomllib
-from functools import cache, partial, wraps
 from importlib import reload
-from math import inf, nan
-from pathlib import Path
+from math import nan
 from typing import Any
 from unittest.mock import Mock
 
@@ -13,7 +10,7 @@ import pytest
 
 import armour
 from armour.core import equations, search
-from armour.engine import changes, compiled
+from armour.engine import batch, changes, compiled
 from armour.errors import InputError
 from armour.reporting.views.design import tables_of_check
 
@@ -31,28 +28,9 @@ def test_limits_below_the_bound_on_the_energy_are_found(name: str, factor: float
     assert limit < armour.ballistic_limit(scenario).ballistic_limit_m_s
 
 
-def test_a_limit_below_the_bound_is_found_where_it_is_trusted():
-    """As where the source is edited."""
-    scenario, original, bound = armour.load_scenario("bare_plate"), equations.shear_force_plug, search.may_perforate
-    with armour.equations(shear_force_plug=lambda *args: 0.1 * original(*args)):
-        found = armour.ballistic_limit(scenario).ballistic_limit_m_s
-        changes._set(search, {"may_perforate": bound})
-        assert armour.ballistic_limit(scenario).ballistic_limit_m_s == pytest.approx(found, abs=0.02)
-
-
-@pytest.mark.parametrize(
-    "function",
-    [
-        min,
-        partial(equations.sheared_diameter),
-        cache(equations.sheared_diameter),
-        wraps(equations.sheared_diameter)(partial(equations.sheared_diameter)),
-        Mock(side_effect=equations.sheared_diameter),
-    ],
-)
-def test_a_function_that_is_set_into_the_core_is_refused(monkeypatch: pytest.MonkeyPatch, function: Any):
+def test_a_function_that_is_set_into_the_core_is_refused(monkeypatch: pytest.MonkeyPatch):
     scenario = armour.load_scenario("wilkins")
-    monkeypatch.setattr(equations, "sheared_diameter", function)
+    monkeypatch.setattr(equations, "sheared_diameter", Mock(side_effect=equations.sheared_diameter))
     message = r"armour\.core\.equations\.sheared_diameter: .+ with armour\.equations\(sheared_diameter=\.\.\.\)"
     for compute in (armour.simulate, armour.ballistic_limit, armour.check, armour.sensitivity):
         with pytest.raises(InputError, match=message):
@@ -94,8 +72,9 @@ def test_equations_are_as_before_behind_the_context():
     assert armour.ballistic_limit(scenario) == limit
 
 
-@pytest.mark.parametrize("value", [nan, inf, None, "1", 1j])
-@pytest.mark.parametrize("name", ["fragmented_strength", "crack_velocity", "intact_strength"])
+@pytest.mark.parametrize(
+    ("name", "value"), [("fragmented_strength", nan), ("crack_velocity", None), ("intact_strength", 1j)]
+)
 def test_an_equation_without_a_value_is_named(name: str, value: Any):
     scenario = armour.load_scenario("wilkins")
     message = f"equations: {name}: must return a finite number, found "
@@ -108,14 +87,17 @@ def test_an_equation_without_a_value_is_named(name: str, value: Any):
         assert message in armour.confidence(scenario).reason
 
 
-def test_a_long_computation_says_that_python_computes(caplog: pytest.LogCaptureFixture):
+def test_a_long_computation_says_that_python_computes(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+):
     scenario = armour.load_scenario("wilkins")
     compiled._warn.cache_clear()
     with caplog.at_level(logging.WARNING), armour.equations(crack_velocity=lambda _Ec, _rho_c: 1000.0):
         armour.simulate(scenario)
         assert not caplog.records
+        monkeypatch.setitem(batch.PORTIONS, "impacts", 1)
         for _ in range(2):
-            armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0] * 300}, ["outcome"])
+            armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}, ["outcome"])
     [record] = caplog.records
     assert record.getMessage() == "computing in plain Python, about a hundred times slower: crack_velocity changed"
 
@@ -131,19 +113,3 @@ def test_results_name_changed_equations():
         [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
         assert warning == f"{words}; this concerns 2 of 2 rows"
         assert words in tables_of_check(armour.check(scenario))
-
-
-def test_a_calibration_by_changed_equations_says_so(tmp_path: Path):
-    scenario, library = armour.load_scenario("wilkins"), tmp_path / "lot.toml"
-    tests = armour.read_tests([{"ballistic_limit_m_s": 700.0}], scenario)
-    assert armour.calibrate(tests, scenario).reason == ""
-    original = equations.fragmented_strength
-    with armour.equations(fragmented_strength=lambda *args: 0.8 * original(*args)):
-        result = armour.calibrate(tests, scenario)
-    words = "computed with fragmented_strength changed"
-    assert result.evidence is None
-    assert result.reason.endswith(f"model error: their limits were {words}")
-    armour.save_fit(result, tests, scenario, lot="7", library=library)
-    entry = tomllib.loads(library.read_text())["ceramic"]["AD85, 7"]
-    assert entry["evidence"]["reason"] == result.reason
-    assert words in entry["flow_stress_GPa"]["source"]

@@ -47,7 +47,7 @@ def texts_of(result: armour.CheckResult | armour.DesignResult) -> list[str]:
 
 
 def test_no_answer_passes_an_armour_on_what_is_no_metal():
-    laminate = on(980.0, design={"confidence": 0.6})
+    laminate = on(980.0, design={"probability_of_stopping": 0.6})
     checked, impact = armour.check(laminate), armour.simulate(laminate)
     assert impact.outcome == "stopped"
     assert checked.verdict == "not known"
@@ -67,7 +67,7 @@ def _xml(checked: armour.CheckResult, of: Scenario) -> str:
 def test_a_model_error_that_is_given_does_not_make_it_pass():
     given = on(
         980.0,
-        design={"confidence": 0.6},
+        design={"probability_of_stopping": 0.6},
         uncertainty={"model": {"scale_percent": 1.0, "degrees_of_freedom": 1e6, "source": "tests"}},
     )
     assert armour.check(given).verdict == "not known"
@@ -121,7 +121,7 @@ def test_a_search_asks_it_of_pairs_that_it_does_not_name_first():
         "ceramic": [{"material": "AD85", "thickness_mm": grid}],
         "backing": [{"material": name, "thickness_mm": grid} for name in ("X", "6061-T6")],
     }
-    found = armour.optimise(on(1840.0, design={**layers, "confidence": 0.6}))
+    found = armour.optimise(on(1840.0, design={**layers, "probability_of_stopping": 0.6}))
     assert known(found.best).backing == "6061-T6"
     assert [words for words in texts_of(found) if words.startswith("is a back plate of 1,840 kg/m³ a metal?")]
     assert not said_of(found.notes)
@@ -157,7 +157,7 @@ def test_nothing_fails_by_a_limit_that_is_known_to_be_too_low(
     is_too_low, checked, impact = verdict == "not known", armour.check(rod), armour.simulate(rod)
     assert impact.outcome == "perforated"
     assert checked.verdict == verdict
-    required = armour.check(rod.replaced({"design": {"confidence": 0.9}}))
+    required = armour.check(rod.replaced({"design": {"probability_of_stopping": 0.9}}))
     assert required.verdict == ("not known" if is_too_low else "fails")
     assert texts_of(checked)[-1].endswith("the limit is too low") is is_too_low
     assert in_a_line(impact).startswith("not known: a long rod") is is_too_low

@@ -29,7 +29,6 @@ from armour.scenario.scenario import Scenario, load_scenario
 from armour.sweeps.sweep import sweep
 from armour.units import GPA, MM
 from armour.validation.suite import load_suite
-from armour.validation.validate import paper_suite
 from tests.helpers.cases import COMPLETE, scenario
 
 RATIOS = ("ceramic_thickness_ratio", "backing_thickness_ratio", "rod_length_ratio")
@@ -39,7 +38,7 @@ TILES = shipped_evidence()[0]
 def covered() -> dict[str, list[float]]:
     """Values of the paper's cases, without those with an initial flow stress."""
     values_by_quantity = defaultdict[str, list[float]](list)
-    for case in load_suite(paper_suite()).cases:
+    for case in load_suite("paper").cases:
         # Rows of a table are scored together where they are not each.
         if (case.not_scored and not case.group) or (case.scenario.armour.ceramic or "").endswith("initial"):
             continue

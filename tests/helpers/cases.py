@@ -55,7 +55,7 @@ THREATS = [
 ]
 CERAMICS = [
     {"material": "AD85", "thickness_mm": RANGE, "cost_per_kg": 12.0},
-    {"material": "AD99.5", "thickness_mm": [4.5, 6.5, 9.0], "cost_per_kg": 30.0, "density_kg_m3": 3900.0},
+    {"material": "AD99.5", "thickness_mm": [4.5, 6.5, 9.0], "cost_per_kg": 30.0},
 ]
 METALS = [
     {"material": "6061-T6", "thickness_mm": RANGE, "cost_per_kg": 7.0, "cost_per_m2": 15.0},

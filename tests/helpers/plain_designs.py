@@ -18,7 +18,7 @@ CRITERIA = ["areal_density_kg_m2", "thickness_mm", "cost_per_m2"]
 def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, threat: Any) -> Scenario:
     """A design of a catalogue against a threat: thickened along the line of fire, at normal incidence."""
     cosine = cos(radians(threat.obliquity_deg))
-    own = case.replaced(
+    return case.replaced(
         {
             "armour.ceramic": ceramic.material,
             "armour.backing": backing.material,
@@ -27,8 +27,6 @@ def posed(case: Scenario, ceramic: Any, backing: Any, hc: float, hb: float, thre
             "impact.projectile": threat.projectile,
         }
     )
-    densities = {"ceramic.density_kg_m3": ceramic.density_kg_m3, "backing.density_kg_m3": backing.density_kg_m3}
-    return own.with_inputs({name: value for name, value in densities.items() if value is not None})
 
 
 def perforates(armour: Parameters, *velocities: float) -> bool:

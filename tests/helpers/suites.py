@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 
 from armour.validation.suite import Suite, load_suite
-from armour.validation.validate import SuiteResult, paper_suite, validate
+from armour.validation.validate import SuiteResult, validate
 
 # Ballistic limit of the Wilkins case, m/s, to the tolerance of its search.
 WILKINS_LIMIT = 723.778
@@ -25,7 +25,7 @@ rms_band = 5.0
 @cache
 def of_paper() -> SuiteResult:
     """The result of the paper's suite."""
-    return validate(load_suite(paper_suite()))
+    return validate(load_suite("paper"))
 
 
 def case(name: str, expected: float | str, rest: str) -> str:

@@ -10,7 +10,7 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY
 from armour.scenario.scenario import Scenario
-from armour.validation.formulas import florence_results
+from armour.validation.formulas import florence_limits
 from tests.helpers.cases import scenario
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
@@ -64,4 +64,4 @@ def test_the_least_thickness_at_an_angle_is_that_along_the_line_of_fire():
 
 def test_formulas_count_along_the_line_of_fire():
     oblique = scenario().replaced({OBLIQUITY: 30.0})
-    assert florence_results(oblique) == florence_results(thickened(scenario(), 30.0))
+    assert florence_limits(oblique) == florence_limits(thickened(scenario(), 30.0))

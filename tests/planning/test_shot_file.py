@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from armour.errors import InputError
-from armour.planning import shot_file
-from armour.planning.shot_file import locked, with_shot, without_last
+from armour.planning.shot_file import with_shot, without_last
 from armour.statistics.v50 import read_shots
 
 
@@ -133,20 +132,5 @@ def test_other_columns_stay_and_misspelt_ones_are_refused(tmp_path: Path):
         with pytest.raises(InputError, match=f"{wrong}: unknown column"):
             read_shots(path, one_kind=True)
     path.write_text("test,ballistic_limit_m_s\na,700\n")
-    with pytest.raises(
-        InputError, match=r"s.csv: must be a table of shots .*, found tests; armour calibrate fits inputs"
-    ):
+    with pytest.raises(InputError, match="ballistic_limit_m_s: unknown column; choose from velocity_m_s, shot, result"):
         read_shots(path)
-
-
-def test_a_locked_table_is_refused_after_a_while(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(shot_file, "WAIT_S", 0.1)
-    (tmp_path / "link.csv").symlink_to(tmp_path / "s.csv")
-    with (
-        locked(tmp_path / "s.csv"),
-        pytest.raises(InputError, match=r"link.csv: cannot be written: other commands"),
-        locked(tmp_path / "link.csv"),
-    ):
-        pass
-    with locked(tmp_path / "link.csv"):
-        pass

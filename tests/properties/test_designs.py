@@ -136,8 +136,7 @@ THREATS = st.lists(
 def layers(names: st.SearchStrategy[str]) -> st.SearchStrategy[list[dict[str, Any]]]:
     return st.lists(
         st.fixed_dictionaries(
-            {"material": names, "thickness_mm": THICKNESSES, "cost_per_kg": COSTS, "cost_per_m2": COSTS},
-            optional={"density_kg_m3": st.floats(2500.0, 4000.0)},
+            {"material": names, "thickness_mm": THICKNESSES, "cost_per_kg": COSTS, "cost_per_m2": COSTS}
         ),
         min_size=1,
         max_size=2,

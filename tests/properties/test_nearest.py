@@ -48,7 +48,7 @@ def case(seed: int) -> Scenario:
         ],
     }
     if dice.random() < 0.7:
-        design["confidence"] = 0.9
+        design["probability_of_stopping"] = 0.9
     return scenario(threat=threats, design=design)
 
 
@@ -97,7 +97,7 @@ def test_the_answer_is_that_of_a_plain_loop(seed: int):
     within = [each for each in every if each.over <= 0.0]
     reaching = [each for each in within if max(each.short.values()) <= 0.0 and each.allowed]
     unsourced = [each for each in within if max(each.short.values()) <= 0.0 and not each.allowed]
-    asked = of.design is not None and of.design.confidence is not None
+    asked = of.design is not None and of.design.probability_of_stopping is not None
     shown = result.shown
     if reaching:
         assert result.reason == ("not known" if asked else "")

@@ -68,9 +68,7 @@ def case(seed: int) -> Scenario:
         threat |= {"margin_m_s": random.choice([20.0, 100.0])} if random.random() < 0.3 else {}
         threat |= {"probability_of_perforation": 0.2} if random.random() < 0.2 else {}
         threats.append(threat)
-    design: dict[str, Any] = {"confidence": random.choice([0.6, 0.9])} if random.random() < 0.6 else {}
-    added = {"added_areal_density_kg_m2": 1.5, "added_thickness_mm": 1.0, "added_cost_per_m2": 0.0}
-    design |= added if random.random() < 0.3 else {}
+    design: dict[str, Any] = {"probability_of_stopping": random.choice([0.6, 0.9])} if random.random() < 0.6 else {}
     for key, most in (("thickness_max_mm", hc + hb), ("areal_density_max_kg_m2", 3.5 * hc + 2.75 * hb)):
         design |= {key: round(most * random.uniform(0.9, 1.3), 1)} if random.random() < 0.3 else {}
     costs = {"cost_per_kg": 20.0} if random.random() < 0.4 else {}
@@ -131,16 +129,16 @@ def rule(seed: int) -> str:
     verdicts = []
     for threat in of.threat:
         bound = threat.probability_of_perforation
-        if bound is None and design.confidence is not None:
-            bound = 1.0 - design.confidence
+        if bound is None and design.probability_of_stopping is not None:
+            bound = 1.0 - design.probability_of_stopping
         verdicts.append(against(of, of.against(threat), bound, threat.margin_m_s) if holds else "not known")
     core, plates = of.core_armour(), [(of.core_armour().rho_c, of.armour.ceramic_thickness_mm)]
     if design.existing is None:
         plates.append((core.rho_B, of.armour.backing_thickness_mm))
     mass, thickness = sum(density * mm / 1000.0 for density, mm in plates), sum(mm for _, mm in plates)
     cost = 20.0 * mass + sum(layer.cost_per_m2 for layer in of.armour.layer)
-    mass += design.added_areal_density_kg_m2 + sum(layer.areal_density_kg_m2 for layer in of.armour.layer)
-    thickness += design.added_thickness_mm + sum(layer.thickness_mm for layer in of.armour.layer)
+    mass += sum(layer.areal_density_kg_m2 for layer in of.armour.layer)
+    thickness += sum(layer.thickness_mm for layer in of.armour.layer)
     for most, found in (
         (design.areal_density_max_kg_m2, mass),
         (design.thickness_max_mm, thickness),

@@ -37,13 +37,13 @@ def planted() -> Iterator[None]:
         yield
 
 
-def case(threats: int) -> Scenario:
-    """An armour of which no test is known, alone in its catalogue."""
+def case() -> Scenario:
+    """An armour of which no test is known, alone in its catalogue, against two threats."""
     layers = {"ceramic": [{"material": "SiC", "thickness_mm": [9.0]}]}
     layers["backing"] = [{"material": "6061-T6", "thickness_mm": [8.0]}]
     faced = [{"projectile": name, "velocity_m_s": 700.0} for name in ("7.62 mm AP", "7.62 mm APM2")]
-    design = {**layers, "confidence": 0.9}
-    return scenario("7.62 mm AP", "SiC", "6061-T6", 9.0, 8.0, threat=faced[:threats], design=design)
+    design = {**layers, "probability_of_stopping": 0.9}
+    return scenario("7.62 mm AP", "SiC", "6061-T6", 9.0, 8.0, threat=faced, design=design)
 
 
 def is_said(text: str) -> bool:
@@ -51,12 +51,9 @@ def is_said(text: str) -> bool:
     return REASON in " ".join(unescape(text).replace("\N{NO-BREAK SPACE}", " ").split())
 
 
-@pytest.mark.parametrize("threats", [1, 2])
-def test_a_planted_reason_stands_wherever_the_answer_is_shown(
-    threats: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_planted_reason_stands_wherever_the_answer_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    Path("s.toml").write_text(case(threats).to_toml())
+    Path("s.toml").write_text(case().to_toml())
     lines = (
         "check s.toml --junit check.xml --markdown check.md",
         "check s.toml --json",
@@ -67,18 +64,17 @@ def test_a_planted_reason_stands_wherever_the_answer_is_shown(
         done = invoke(line.split())
         assert done.exit_code in (1, 3)
         assert is_said(done.stdout), line
-    for name in ("report.html", "report.md"):
-        assert invoke(["report", "s.toml", "-o", name]).exit_code == 0
-    for name in ("check.xml", "check.md", "page.html", "report.html", "report.md"):
+    assert invoke(["report", "s.toml", "-o", "report.html"]).exit_code == 0
+    for name in ("check.xml", "check.md", "page.html", "report.html"):
         assert is_said(Path(name).read_text()), name
-    for result in (armour.check(case(threats)), armour.optimise(case(threats))):
+    for result in (armour.check(case()), armour.optimise(case())):
         picture = by_result(draw, result)(result, Sheet())
         assert is_said(f"{picture.title} {picture.note}")
         assert is_said(json.dumps(result.to_dict()))
 
 
 def test_the_best_design_has_the_check_of_its_armour():
-    found = armour.optimise(case(2))
+    found = armour.optimise(case())
     nearest = known(found.nearest)
     assert nearest.check == armour.check(nearest.scenario)
     assert [pair.best for pair in found.pairs] == [nearest]

@@ -113,7 +113,7 @@ def test_entries_of_the_library_that_no_scenario_uses():
         ("wilkins", DESIGNS, "uncertainty.model.included", True),
         ("wilkins", ("threat", "impact", "armour.ceramic"), THICKNESS, False),
         ("catalogue", ("design", "armour.ceramic"), "armour.ceramic", False),
-        ("catalogue", ("design.confidence",), "design", True),
+        ("catalogue", ("design.probability_of_stopping",), "design", True),
         ("wilkins", ("threat", "uncertainty"), "uncertainty", True),
     ],
 )

@@ -16,7 +16,6 @@ from armour.scenario.library import (
     Library,
     named_threats,
     shipped_library,
-    threats_like,
 )
 from armour.scenario.scenario import load_scenario, parse_scenario, scenario_schema
 from tests.helpers.cases import data
@@ -188,14 +187,12 @@ def test_bases_that_lead_back():
 
 @pytest.mark.parametrize("name", ["5083", "5083-h32"])
 def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str):
-    """Each has what tells it apart; the strongest of them is not suggested alone."""
+    """The strongest of them is not suggested alone."""
     with pytest.raises(InputError) as caught:
         shipped_library().entry("metal", name)
     alike = [each for each in shipped_library().names("metal") if "5083" in each]
     assert len(alike) == 4
-    assert all(f"{each} (" in str(caught.value) for each in alike)
-    assert "5083-H3 (dynamic yield strength 333 MPa)" in str(caught.value)
-    assert "AA5083-H116 (static yield strength 240 MPa)" in str(caught.value)
+    assert str(caught.value).endswith(f"; choose from {', '.join(alike)}")
 
 
 def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
@@ -203,15 +200,11 @@ def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
         shipped_library().entry("ceramic", "AD85x")
 
 
-def test_an_alias_names_one_entry_and_what_it_replaces_is_noted(tmp_path: Path):
+def test_an_alias_names_one_entry_and_what_it_replaces_is_noted():
     mine = {"based_on": "7.62 mm APM2", "aliases": [".30 APM2"]}
     library = extended({"projectile": {"mine": mine}})
     assert library.notes == ("f.toml: projectile.mine: replaces the .30 APM2 of the shipped library",)
     assert library.entry("projectile", ".30 APM2").name == "mine"
-    for name in ("a", "b"):
-        (tmp_path / f"{name}.toml").write_text(f'[ceramic.{name}]\nbased_on = "AD85"\naliases = ["x"]\n')
-    with pytest.raises(InputError, match=r'library\.files\[1\]: must not name "b.toml": like .*, it defines .* "x"'):
-        parse_scenario(data(library={"files": ["a.toml", "b.toml"]}), folder=tmp_path)
 
 
 LEVEL_3 = "STANAG 4569 level 3, B32"
@@ -237,10 +230,8 @@ def test_a_threat_gives_round_and_velocity():
     assert [threat.title for threat in listed.threat] == [LEVEL_3, f"{LEVEL_3}, 30° obliquity"]
 
 
-def test_a_value_beside_it_takes_precedence_and_is_named():
-    found = parse_scenario(impact(threat=LEVEL_3, velocity_m_s=900.0))
-    assert found.impact.velocity_m_s == 900.0
-    assert found.notes == (f"scenario: impact.velocity_m_s: 900.0 takes precedence over 854.0 of {LEVEL_3}",)
+def test_a_value_beside_it_takes_precedence():
+    assert parse_scenario(impact(threat=LEVEL_3, velocity_m_s=900.0)).impact.velocity_m_s == 900.0
 
 
 @pytest.mark.parametrize("values", [{"velocity_m_s": 900.0}, {"projectile": "7.62 mm AP"}])
@@ -313,35 +304,13 @@ def test_what_is_neither_metal_nor_ceramic_leads_to_the_page_on_it(name: str):
     assert (Path(__file__).parents[2] / PAGE).is_file()
 
 
-@pytest.mark.parametrize(
-    ("name", "like"),
-    [
-        ("M993", []),
-        ("STANAG 4569 level 3, M993", []),
-        ("12.7x108 B32", []),
-        ("14.5x114", ["STANAG 4569 level 4, B32"]),
-        ("M2", ["NIJ 0101.06 type IV, M2 AP", "NIJ 0123.00 RF3, M2 AP"]),
-        ("STANAG 4569 level 5", list(named_threats())),
-    ],
-)
-def test_a_threat_like_a_wrong_name_has_its_round_or_calibre(name: str, like: list[str]):
-    assert threats_like(name) == like
-
-
 @pytest.mark.parametrize("name", ["M993", "7.62 x 51 M993"])
 def test_a_round_of_a_template_has_that_template(name: str):
     with pytest.raises(InputError, match="armour init --from templates/m993"):
         shipped_library().entry("projectile", name)
 
 
-def test_a_round_like_a_wrong_name_has_its_calibre():
-    for name, like in (
-        ("B32 12.7", []),
-        ("12.7 mm B32", ["12.7 mm APM2", "12.7 mm FSP"]),
-        ("B32 7.62", ["7.62 mm B32"]),
-    ):
-        with pytest.raises(InputError) as caught:
+def test_rounds_with_a_part_of_a_wrong_name_are_listed():
+    for name, like in (("12.7 mm B32", "12.7 mm APM2, 12.7 mm FSP"), ("B32 7.62", "7.62 mm B32, 14.5 mm B32")):
+        with pytest.raises(InputError, match=f"; choose from {like}$"):
             shipped_library().entry("projectile", name)
-        [problem] = caught.value.problems
-        found = [other for other in shipped_library().names("projectile") if other in problem.message.partition(";")[2]]
-        assert found == like

@@ -52,8 +52,6 @@ armour.layer = [{ name = "", place = "front", thickness_mm = 1.0, areal_density_
     armour.layer[0].name: must not be empty, found the text ""
 armour.layer = [{ name = "glue", place = "front", thickness_mm = 1.0 }]
     armour.layer[0].areal_density_kg_m2: is missing
-design = { existing = "backing", backing = [{ material = "6061-T6", thickness_mm = [5.0, 6.0] }] }
-    design.existing: must be left out if there are several back plates to choose from, found "backing"
 design = { scatter_percent = 1.5, scatter_source = "ours" }
     design.scatter_percent: must be at least 2.5, or be given in an entry of the library with an own firing of 36 shots
 design = { scatter_percent = 80.0, scatter_source = "ours" }
@@ -75,15 +73,15 @@ impct.x = 1
 impact = 3
     impact: must be a table, found 3
 impact.projectile = "7.62 mm"
-    impact.projectile: must name a projectile of the library, found "7.62 mm"; choose from 7.62 mm AP (penetrator
+    impact.projectile: must name a projectile of the library, found "7.62 mm"; choose from 7.62 mm AP, 7.62 mm
 armour.ceramic = "AD85x"
     armour.ceramic: must name a ceramic of the library, found "AD85x"; did you mean "AD85"?
 armour.ceramic = "carbide"
-    armour.ceramic: must name a ceramic of the library, found "carbide"; choose from SiC (flow stress 9 GPa), B4C
+    armour.ceramic: must name a ceramic of the library, found "carbide"; choose from SiC, B4C
 armour.ceramic = "stone"
     armour.ceramic: must name a ceramic of the library, found "stone"; armour library lists them
 armour.backing = "6061"
-    armour.backing: must name a metal of the library, found "6061"; choose from 6061-T6 (dynamic yield strength 372
+    armour.backing: must name a metal of the library, found "6061"; choose from 6061-T6, AA6061-T651
 impact.threat = "STANAG 4569 level 3"
     impact: threat must name a threat of the library, found "STANAG 4569 level 3"; did you mean "STANAG 4569 level 3,
 impact.threat = 3
@@ -108,8 +106,6 @@ optimise.ceramic_thickness_mm = { min = -2, max = 3, step = 1 }
     optimise.ceramic_thickness_mm.min: must be at least 0, found -2
 optimise.backing_thickness_mm = { min = 0, max = 3, step = 1 }
     optimise.backing_thickness_mm: min must be greater than 0, found 0
-optimise = { ceramic_thickness_mm.step = 1e-4, backing_thickness_mm.step = 1e-4 }
-    optimise: must contain at most 1000000 designs, found 4.9e+09; widen the steps
 design.pareto = ["thickness_mm", "thickness_mm"]
     design.pareto: must not name a criterion twice, found thickness_mm, thickness_mm
 design.pareto = ["thickness_mm", "thickness_mm", "thickness_mm", "thickness_mm"]
@@ -124,8 +120,6 @@ uncertainty.samples = 200.5
     uncertainty.samples: must be a whole number, found 200.5
 uncertainty.samples = 1000
     uncertainty.samples: must be a power of 2 for Sobol' points, such as 1024, found 1000
-uncertainty = { samples = 2097153, method = "latin hypercube" }
-    uncertainty.samples: must be at most 2097152 for a Latin hypercube, found 2097153
 uncertainty.impact.velocity_m_s = { distribution = "normal" }
     uncertainty.impact.velocity_m_s: must have standard_deviation or standard_deviation_percent, and not both
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1, standard_deviation_percent = 1 }

@@ -12,7 +12,6 @@ def uncertainty_result(*, known: bool = True) -> UncertaintyResult:
     return UncertaintyResult(
         samples=1024,
         seed=1,
-        method="sobol",
         confidence=0.95,
         probability_of_perforation=Estimate(0.21, 0.2, 0.22) if known else None,
         limit_quantiles_m_s={

@@ -47,18 +47,10 @@ def test_fits_that_are_not_possible(
     assert message in str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("changes", "other"),
-    [
-        ({"armour.ceramic": "AD99.5"}, "armour and values of the library"),
-        ({STRESS: 4.5}, "values of the library"),
-        ({"solver.time_step_us": 0.1}, "solver"),
-    ],
-)
-def test_another_scenario_than_that_of_the_tests(changes: dict[str, object], other: str):
+@pytest.mark.parametrize("changes", [{"armour.ceramic": "AD99.5"}, {STRESS: 4.5}, {"solver.time_step_us": 0.1}])
+def test_another_scenario_than_that_of_the_tests(changes: dict[str, object]):
     wilkins = shipped_scenario("wilkins")
-    message = f"calibrate: scenario: must be the one that the tests were read with, found other {other};"
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match="calibrate: scenario: must be the one that the tests were read with;"):
         calibrate(read_tests(TESTS, wilkins), wilkins.replaced(changes))
 
 

@@ -29,13 +29,6 @@ def test_measurements_and_bounds(tmp_path: Path):
     assert group.columns[V].tolist() == [800.0, 800.0, 810.0]
 
 
-def test_the_words_of_firing_results_are_outcomes(tmp_path: Path):
-    outcomes = ("partial", "complete", "P", "c", "PP", "cp", "Stopped", "PERFORATED")
-    rows = (f"{700 + place},{outcome}" for place, outcome in enumerate(outcomes))
-    path = csv_file(tmp_path / "t.csv", f"{V},outcome", *rows)
-    assert [m.side for m in read_tests(path, shipped_scenario("wilkins")).measurements] == [1, -1] * 4
-
-
 def test_tests_are_grouped_by_material(tmp_path: Path):
     path = csv_file(
         tmp_path / "t.csv", f"armour.ceramic,{C},ballistic_limit_m_s", "AD85,6,700", "AD99.5,6,720", "AD85,7,730"

@@ -13,8 +13,8 @@ from armour.analysis.ballistic_limit import ConfidenceResult, confidence
 from armour.analysis.evaluate import evaluate
 from armour.design.check import check
 from armour.design.optimise import optimise
-from armour.errors import InputError, NoAnswerError
-from armour.evidence.tests import armours_of, scenario_warnings
+from armour.errors import InputError
+from armour.evidence.tests import armours_of
 from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
@@ -22,13 +22,12 @@ from armour.statistics.calibration import CalibrationResult, Law, calibrate
 from armour.statistics.fitted_library import scenario_text
 from armour.statistics.measured import Measurement, read_tests
 from armour.statistics.measured import Tests as Measured
-from armour.statistics.own_tests import predicted_tests, repeated
+from armour.statistics.own_tests import repeated
 from tests.design.results import best_of
 from tests.helpers.cases import TESTS, scenario, shipped_scenario
 from tests.helpers.fits import table_of, wilkins_fit
 from tests.helpers.known import known
 from tools.campaigns import own_tests as campaign
-from tools.campaigns.evidence import wilkins
 
 WILKINS = shipped_scenario("wilkins")
 STRENGTH = "backing.flow_stress_GPa"
@@ -166,19 +165,6 @@ def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
     assert elsewhere.tests_here is None
 
 
-def test_each_own_test_is_predicted_from_the_others():
-    """As `confidence` predicts its armour, with the two others alone calibrated."""
-    entry = known(very(*VERY_TESTS).entry_of("ceramic"))
-    first, *others = predicted_tests(entry, known(entry.evidence))
-    assert (first.measured_m_s, first.uncertainty_m_s, first.bound) == (905.0, 12.0, "")
-    assert (first.ceramic_thickness_mm, first.backing_thickness_mm) == pytest.approx((8.0, 6.5))
-    here = known(confidence(very(*VERY_TESTS)).model_error)
-    assert here.tests_here is not None
-    assert first.predicted_m_s == pytest.approx(here.tests_here.median_m_s, rel=1e-3)
-    assert first.interval_m_s == pytest.approx(here.tests_here.interval_m_s, rel=1e-3)
-    assert len(others) == 2
-
-
 def test_a_second_test_of_the_armour_settles_it():
     once, twice = (very(VERY_TESTS[0], *VERY_TESTS[1:], *more) for more in ((), ("8,7.62 mm B32,915,12",)))
     errors = [confidence(case).model_error for case in (once, twice)]
@@ -251,35 +237,6 @@ def test_own_tests_hold_for_the_named_entry_with_its_calibrated_value():
         assert known(of_a.model_error).source.endswith("and 1 own test of this lot")
 
 
-def test_own_tests_keep_their_names_and_the_limits_of_the_calibrated_entry():
-    rows = [
-        {"test": name, "laboratory": laboratory, CERAMIC: mm, "ballistic_limit_m_s": limit}
-        for name, laboratory, mm, limit in (
-            ("A1", "North", 6.0, 760.0),
-            ("A2", "North", 8.0, 850.0),
-            ("B1", "South", 6.0, 750.0),
-        )
-    ]
-    tests = read_tests(rows, WILKINS)
-    result = calibrate(tests, WILKINS, FLOW_STRESS)
-    calibrated = written(result, tests, WILKINS)
-    entry = known(calibrated.entry_of("ceramic"))
-    own = predicted_tests(entry, known(entry.evidence))
-    assert [test.name for test in own] == ["A1, North", "A2, North", "B1, South"]
-    limits = [confidence(calibrated.replaced({CERAMIC: mm})).ballistic_limit_m_s for mm in (6.0, 8.0, 6.0)]
-    assert [test.computed_m_s for test in own] == pytest.approx(limits, abs=0.1)
-    assert result.own_tests == own
-
-
-def test_an_entry_calibrated_by_version_1_is_recognised():
-    old = {"source": "3 own tests in a.csv", "key": "flow_stress_GPa", "measured": {}, "law": [{"slope": 0.6}]}
-    case = FRAGMENT.replaced({"library.metal.old": {"based_on": "M", "evidence": old}, "armour.backing": "old"})
-    result = confidence(case)
-    assert result.probability_of_stopping is None
-    assert result.reason == "of old, it was calibrated by armour 1: calibrate it again"
-    assert [warning.about for warning in scenario_warnings(case, 600.0)] == [("contradicted", "fragments")]
-
-
 def test_one_lot_against_two_rounds_shares_the_effect_of_the_alloy():
     aluminium = plate("7.62 mm APM2", 280.0, 25.0)
     case = scenario_of(table_of(aluminium, f"{BACKING},ballistic_limit_m_s", "25,700", "30,790"), aluminium, STRENGTH)
@@ -298,11 +255,10 @@ def test_a_plate_of_which_no_test_is_known_has_none_by_own_tests():
     assert result.evidence is None
 
 
-@pytest.mark.parametrize("law", ["backing", "product"])
-def test_the_probability_is_the_same_whichever_law_was_fitted(law: Law):
+def test_the_probability_is_the_same_whichever_law_was_fitted():
     expected = probability(confidence(of_wilkins("constant")))
     assert 0.3 < expected < 0.7
-    assert probability(confidence(of_wilkins(law))) == pytest.approx(expected, abs=1e-4)
+    assert probability(confidence(of_wilkins("product"))) == pytest.approx(expected, abs=1e-4)
 
 
 def test_rows_and_designs_are_single_answers():
@@ -312,7 +268,7 @@ def test_rows_and_designs_are_single_answers():
     catalogue = {
         "ceramic": [{"material": "AD85, lot 7", **only}, {"material": "AD85", **only}],
         "backing": [{"material": "6061-T6", **only}],
-        "confidence": 0.51,
+        "probability_of_stopping": 0.51,
     }
     pairs = {pair.ceramic: pair.best for pair in optimise(case.replaced({"design": catalogue, VELOCITY: 660.0})).pairs}
     best = known(pairs["AD85, lot 7"])
@@ -324,7 +280,7 @@ def test_rows_and_designs_are_single_answers():
 
 def test_a_bound_on_the_probability_is_kept_where_the_own_law_has_no_weight():
     ranges = {f"{layer}_thickness_mm": {"min": 4.0, "max": 12.0, "step": 0.5} for layer in ("ceramic", "backing")}
-    case = of_wilkins().replaced({"optimise": ranges, "design.confidence": 0.9})
+    case = of_wilkins().replaced({"optimise": ranges, "design.probability_of_stopping": 0.9})
     best = best_of(optimise(case))
     design = {CERAMIC: best.ceramic_thickness_mm, BACKING: best.backing_thickness_mm}
     assert probability(confidence(case.replaced(design))) >= 0.9
@@ -344,7 +300,7 @@ def test_unlike_the_tests_the_probability_is_unknown_and_says_why():
         assert words in answer.reason
     far = case.replaced({CERAMIC: 40.0, BACKING: 2.0})
     ranges = {"ceramic_thickness_mm": {"min": 40.0, "max": 50.0, "step": 10.0}}
-    result = optimise(far.replaced({"optimise": ranges, "design.confidence": 0.9}))
+    result = optimise(far.replaced({"optimise": ranges, "design.probability_of_stopping": 0.9}))
     assert result.reason == "not known"
     assert result.shown.check.threats[0].reason == confidence(far).reason
 
@@ -397,13 +353,6 @@ def test_shots_that_were_all_stopped_tell_something_and_are_warned_of():
     assert case.inputs()[FLOW_STRESS] == 9.0
 
 
-def test_without_evidence_a_value_that_is_not_identified_cannot_be_written():
-    case = CARBIDE.replaced({"solver.arrest_velocity_m_s": 2.0})
-    tests = table_of(case, f"{VELOCITY},outcome", "500,partial", "510,partial")
-    with pytest.raises(NoAnswerError):
-        scenario_text(calibrate(tests, case), tests, case, "lot", FILE)
-
-
 def test_a_calibrated_material_is_not_calibrated_again():
     case = of_wilkins()
     with pytest.raises(InputError, match="must not be of a material with own tests, found AD85, lot 7"):
@@ -417,14 +366,6 @@ def test_the_file_keeps_the_tests_readably():
     again = known(parse_scenario(tomllib.loads(text)).entry("metal", "M, lot 7").evidence)
     q = armours_of(FRAGMENT.replaced({BACKING: 36.6})).quantities()
     assert again.tests["backing_thickness_ratio"][0] == pytest.approx(q["backing_thickness_ratio"][0])
-
-
-@pytest.mark.slow
-def test_tests_of_a_series_of_wilkins_predict_the_others_of_it():
-    outcome = wilkins(3)
-    assert outcome.within.mean() >= 0.95
-    assert outcome.above.mean() >= 0.95
-    assert 100.0 * (outcome.error**2).mean() ** 0.5 <= 2.6
 
 
 @pytest.mark.slow
@@ -442,7 +383,7 @@ def test_tests_of_a_real_lot_predict_the_others_of_it():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", campaign.CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", campaign.CASES[::3], ids=lambda case: case.name)
 def test_intervals_hold_the_limits_of_simulated_lots(case: campaign.Case):
     dice = np.random.default_rng(3)
     for outcome in campaign.simulated(case, 0.035, dice, samples=24).values():
@@ -494,14 +435,6 @@ def test_a_test_of_an_armour_with_a_ceramic_is_not_used_for_its_back_plate():
     expected = "not used for the probability of stopping: row 3: it is of an armour with a ceramic"
     assert result.warnings[0] == expected
     assert len(known(result.evidence)["tests"]["side"]) == 2
-
-
-@pytest.mark.parametrize("angle", [33.0, 53.0])
-def test_the_angle_of_an_own_test_is_tested(angle: float):
-    calibrated = scenario_of(
-        table_of(WILKINS, f"{OBLIQUITY},ballistic_limit_m_s", f"{angle},900"), WILKINS, FLOW_STRESS
-    )
-    assert confidence(calibrated.replaced({OBLIQUITY: angle})).probability_of_stopping is not None
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,7 @@ import pytest
 from scipy.stats import lognorm, norm, t
 
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
-from armour.statistics.posterior import (
-    FiringPrior,
-    learned,
-    pooled_scatter,
-    posterior_of,
-)
+from armour.statistics.posterior import FiringPrior, learned, posterior_of
 from tests.helpers.cases import SCENARIOS
 
 pytestmark = pytest.mark.slow
@@ -125,30 +120,3 @@ def test_heavy_tails_and_tiny_errors_have_a_posterior():
         estimate = posterior_of(FiringPrior(720.0, error), (700.0, 710.0), (True, False)).estimate(0.95)
         low, high = estimate.v50_interval_m_s
         assert 0.0 < low <= estimate.v50_m_s <= high < np.inf
-
-
-def firing(ratio: float, dice: np.random.Generator) -> tuple[list[float], list[bool]]:
-    """Twelve shots up and down from near V50, with a scatter that is a part of it, of both kinds."""
-    velocities, complete = [720.0 * float(dice.normal(1.0, 0.05))], list[bool]()
-    while len(complete) < 12:
-        complete.append(bool(dice.normal(720.0, 720.0 * ratio) < velocities[-1]))
-        step = 15.0 if len({*complete}) == 2 else 30.0
-        velocities.append(velocities[-1] + (-step if complete[-1] else step) + float(dice.normal(0.0, 5.0)))
-    return (velocities[:12], complete) if len({*complete}) == 2 else firing(ratio, dice)
-
-
-def test_no_earlier_firing_leaves_the_scatter_that_is_expected():
-    assert pooled_scatter([], 1.5, 1.7) == pytest.approx((1.5, 1.7), rel=0.01)
-
-
-def test_scatters_of_earlier_firings_are_pooled():
-    """Of firings that resemble each other as the prior says, the interval of a further one holds its scatter."""
-    dice, held, factors = np.random.default_rng(7), [], []
-    for _ in range(15):
-        median = 0.02 * np.exp(dice.normal(0.0, 0.9 * np.log(2.0)))
-        ratios = median * np.exp(0.4 * np.log(2.0) * abs(dice.normal()) * dice.normal(size=5))
-        percent, factor = pooled_scatter([firing(ratio, dice) for ratio in ratios[1:]], 2.0, 2.0)
-        held.append(abs(np.log(100.0 * ratios[0] / percent)) < 1.96 * np.log(factor))
-        factors.append(factor)
-    assert np.mean(held) >= 0.84
-    assert np.median(factors) < 1.7

@@ -1,6 +1,5 @@
 """V50 by the rule of MIL-STD-662F, against examples worked out by hand."""
 
-import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 from armour.errors import InputError
-from armour.planning.firing import plan_shots
 from armour.statistics.curves import Interval, fit_curve
 from armour.statistics.v50 import MeanV50, Shots, mean_v50, read_shots, v50
 from tests.helpers.cases import csv_file, scenario
@@ -125,17 +123,12 @@ def test_the_further_result_bounds_v50_as_it_says_and_better_than_others():
     assert nearest.confidence == 0.5
 
 
-@pytest.mark.parametrize(("far", "warned"), [(512.0, 0), (8386.0, 1)])
-def test_the_further_result_is_near_most_shots_and_a_missing_decimal_point_is_warned_of(far: float, warned: int):
-    near = [(812.0, 0), (847.0, 1), (829.0, 0), (839.0, 1), (824.0, 0), (834.0, 1), (827.0, 1), (835.0, 0)]
-    velocities, results = zip(*near, (far, far > 1000.0), strict=True)
-    shots = Shots(velocities, [bool(result) for result in results])
-    found = v50(shots)
+def test_the_further_result_is_near_most_shots_and_a_missing_decimal_point_is_warned_of():
+    velocities = (812.0, 847.0, 829.0, 839.0, 824.0, 834.0, 827.0, 835.0, 8386.0)
+    found = v50(Shots(velocities, (False, True, False, True, False, True, True, False, True)))
     assert 650.0 < known(found.further).velocity_m_s < 1000.0
-    told = [
-        text for text in found.warnings if text.startswith("a shot at 8386 m/s is far from the median of the shots")
-    ]
-    assert len(found.warnings) == len(told) == warned
+    [warning] = found.warnings
+    assert warning.startswith("a shot at 8386 m/s is far from the median of the shots")
 
 
 def test_points_of_the_recommended_curve():
@@ -169,19 +162,13 @@ def test_a_band_at_any_velocities_in_any_order():
     ascending = {row["velocity_m_s"]: row for row in result.band([700.0, 710.0, 720.0])}
     assert result.band(np.array([720.0, 700.0, 720.0, 710.0])) == [ascending[v] for v in (720.0, 700.0, 720.0, 710.0)]
     assert result.band([720.0]) == [ascending[720.0]]
-    many = np.linspace(600.0, 800.0, 41)
-    back = result.band(many[::-1])
-    assert back[::-1] == result.band(many)
-    inside = [row["probability_interval"] for row in back if row["velocity_m_s"] == 720.0]
-    assert inside == [pytest.approx(ascending[720.0]["probability_interval"], abs=0.05)]
+    [inside] = [row["probability_interval"] for row in result.band() if row["velocity_m_s"] == 724.0]
+    assert inside == pytest.approx(result.band([724.0])[0]["probability_interval"], abs=0.05)
 
 
-@pytest.mark.parametrize(
-    ("velocities", "found"),
-    [([float("nan")], "nan"), ([700.0, float("inf")], "inf"), ([], "none"), ([-1.0], "-1"), (7, "7")],
-)
-def test_wrong_velocities_of_a_band(velocities: Any, found: str):
-    with pytest.raises(InputError, match=f"band: velocities_m_s: must be a sequence of velocities .*, found {found}"):
+@pytest.mark.parametrize("velocities", [[float("nan")], [700.0, float("inf")], [], [-1.0], "700"])
+def test_wrong_velocities_of_a_band(velocities: Any):
+    with pytest.raises(InputError, match="band: velocities_m_s: must be "):
         answer(APART).band(velocities)
 
 
@@ -192,8 +179,6 @@ def test_shots_of_arrays_are_those_of_tuples():
     assert shots == same
     assert hash(shots) == hash(same)
     assert replace(shots, file="x").velocities_m_s == (700.0, 730.0, 715.0)
-    assert json.loads(json.dumps(v50(shots).to_dict()))["fired"]["complete"] == [False, True, True]
-    assert plan_shots(scenario(), shots).fired == shots
 
 
 @pytest.mark.parametrize("column", [722.0, "700", None, np.array(722.0)])
@@ -244,15 +229,6 @@ def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], message
         read_shots(csv_file(tmp_path / "shots.csv", "velocity_m_s,result", *rows))
     text = str(error.value)
     assert [message in text for message in messages] == [True] * len(messages)
-
-
-def test_rows_are_read_as_a_file_is(tmp_path: Path):
-    rows = [{"velocity_m_s": 700, "result": "stopped"}, {"velocity_m_s": 720.5, "result": "C"}]
-    shots = read_shots(rows)
-    file = read_shots(csv_file(tmp_path / "shots.csv", "velocity_m_s,result", "700,stopped", "720.5,C"))
-    assert (shots.velocities_m_s, shots.complete) == (file.velocities_m_s, file.complete)
-    with pytest.raises(InputError, match="rows: row 2: velocity_m_s: must be a number"):
-        read_shots([rows[0], {"velocity_m_s": "fast", "result": "C"}])
 
 
 @pytest.mark.parametrize(

@@ -13,13 +13,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
 
 from armour.errors import InputError
 from armour.sweeps.cluster import connected, workers_of
-from armour.sweeps.store import Store
-from armour.sweeps.sweep import chunk_of, job_of, types_of, write_sweep
+from armour.sweeps.sweep import write_sweep
 from tests.helpers.cases import sweep_grid, sweep_scenario
 
 if TYPE_CHECKING:
@@ -61,8 +59,6 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path: Path):
     ("address", "message"),
     [
         ("tcp://127.0.0.1:{}", "no answer"),
-        ("tls://127.0.0.1:{}", "TLS"),
-        ("http://127.0.0.1:{}", "unknown address scheme"),
         ("nowhere:x", "invalid literal"),
     ],
 )
@@ -131,46 +127,12 @@ def test_a_scheduler_is_connected_to_and_a_worker_is_none(client: "Client", tmp_
         pass
 
 
-def test_forged_rows_are_refused_on_a_cluster(client: "Client", tmp_path: Path):
-    """The workers compute a row of each stored chunk again, as they computed the others."""
-    assert client.cluster is not None
-    client.cluster.scale(1)
-    client.wait_for_workers(1)
-    case, source = sweep_scenario(), sweep_grid(VELOCITIES)
-    honest = chunk_of(case, source.rows(np.array([0])), ["outcome"], 1)
-    forged = honest._replace(columns={**honest.columns, "outcome": np.array(["perforated"])})
-    for name, chunk in (("a.csv", forged), ("b.csv", honest)):
-        job, types = job_of(case, source, ["outcome"]), types_of(source, ["outcome"])
-        with Store(tmp_path / name, job, types, print) as store:
-            store.append(chunk)
-    with pytest.raises(
-        InputError, match=r"a\.csv\.parts: .* found outcome = perforated in row 1, but computed stopped"
-    ):
-        sweep_on(client, tmp_path / "a.csv")
-    sweep_on(client, tmp_path / "b.csv")
-    assert (tmp_path / "b.csv").read_text().splitlines()[1] == "700.0,stopped"
-
-
 def test_a_cluster_is_started_on_this_machine(monkeypatch: pytest.MonkeyPatch):
     from distributed import LocalCluster
 
-    here = partial(LocalCluster, n_workers=1, processes=False)
-    monkeypatch.setattr("distributed.LocalCluster", here)
+    monkeypatch.setattr("distributed.LocalCluster", partial(LocalCluster, n_workers=1, processes=False))
     with connected("local") as found:
         assert list(found.nthreads().values()) == [1]
-        assert found.submit(abs, -1).result() == 1
-
-
-def test_a_cluster_that_cannot_be_started_is_told(monkeypatch: pytest.MonkeyPatch):
-    """As with DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT=x in the environment."""
-
-    def cluster(**_settings: object) -> None:
-        raise KeyError("Invalid time unit: x")
-
-    monkeypatch.setattr("distributed.LocalCluster", cluster)
-    message = "--scheduler: cannot start a cluster on this machine: 'Invalid time unit: x'"
-    with pytest.raises(InputError, match=message), connected("local"):
-        pass
 
 
 def test_a_worker_without_armour_is_told(tmp_path: Path):
@@ -188,7 +150,7 @@ def test_a_worker_without_armour_is_told(tmp_path: Path):
         )
         try:
             client.wait_for_workers(1)
-            with pytest.raises(InputError, match="workers with armour, found one that cannot import it: none here"):
+            with pytest.raises(InputError, match=r"failed: ImportError.*none here"):
                 sweep_on(client, tmp_path / "a.csv")
         finally:
             worker.kill()

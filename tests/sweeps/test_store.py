@@ -3,22 +3,18 @@
 import os
 import shutil
 import sqlite3
-import struct
 import sys
 from collections.abc import Callable
 from contextlib import closing
 from errno import ENOSPC
-from functools import partial
 from pathlib import Path
-from time import time
-from typing import Any
 
 import numpy as np
 import pytest
 
 from armour.errors import InputError
 from armour.sweeps.store import Chunk, Store
-from armour.sweeps.tables import csv_of, is_csv, read_table, write_table
+from armour.sweeps.tables import is_csv, read_table, write_table
 
 on_unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs users")
 
@@ -32,24 +28,20 @@ def part(index: int) -> Chunk:
     return Chunk({"armour.x_mm": np.arange(3 * index, 3 * index + 3) / 10, **RESULTS}, {"far": 1})
 
 
-def filled(output: Path, count: int, job: dict[str, str] = JOB) -> list[str]:
-    """Write the first chunks of a sweep, as many as are not there; return what is told."""
-    told: list[str] = []
-    with Store(output, job, TYPES, told.append) as store:
+def filled(output: Path, count: int, job: dict[str, str] = JOB) -> None:
+    """Write the first chunks of a sweep, as many as are not there."""
+    with Store(output, job, TYPES) as store:
         for index in range(store.done // 3, count):
             store.append(part(index))
-    return told
 
 
-def finished(output: Path) -> list[str]:
-    """Write what is missing of three chunks, and the table; return what is told."""
-    told: list[str] = []
-    with Store(output, JOB, TYPES, told.append) as store:
+def finished(output: Path) -> None:
+    """Write what is missing of three chunks, and the table."""
+    with Store(output, JOB, TYPES) as store:
         for index in range(store.done // 3, 3):
             store.append(part(index))
         store.finish()
         assert store.warnings == {"far": 3}
-    return told
 
 
 @pytest.fixture(params=["a.csv", "a.parquet"])
@@ -64,7 +56,7 @@ def rows_of(output: Path) -> Path:
 def test_chunks_make_the_table_and_leave_nothing_else(output: Path):
     filled(output, 2)
     assert not output.exists()
-    assert not finished(output)
+    finished(output)
     if output.suffix == ".csv":
         assert output.read_text().splitlines()[2] == "0.1,,"
     table = read_table(output)
@@ -97,33 +89,35 @@ def test_rows_with_any_byte_changed_never_make_another_table(tmp_path: Path):
     output.unlink()
     filled(output, 3)
     content = rows_of(output).read_bytes()
-    places = np.random.default_rng(1).integers(len(content), size=100).tolist()
-    told = []
+    places = np.random.default_rng(1).integers(len(content), size=40).tolist()
+    refused = 0
     for place in (16, 18, 20, 28, 56, *places):  # the header, and anywhere
         rows_of(output).parent.mkdir(mode=0o700, exist_ok=True)
         rows_of(output).write_bytes(content[:place] + bytes([content[place] ^ 255]) + content[place + 1 :])
         try:
-            told += finished(output)
+            finished(output)
         except InputError as error:
             assert "remove" in str(error) or "cannot be written" in str(error)  # noqa: PT017
+            refused += 1
             continue
         assert output.read_bytes() == expected
         output.unlink()
-    assert any("damaged, all rows are computed again" in line for line in told)
-    assert any("damaged, all but the first 3 rows are computed again" in line for line in told)
+    assert refused
 
 
-def test_a_damaged_job_is_not_taken_for_another(output: Path):
-    filled(output, 2)
-    content = rows_of(output).read_bytes()
-    rows_of(output).write_bytes(content.replace(b'"quantities"', b'"quamtities"'))
-    assert finished(output) == [f"{rows_of(output)}: damaged, all rows are computed again"]
+@pytest.mark.parametrize("size", [100, 5000])
+def test_rows_that_are_cut_are_refused(output: Path, size: int):
+    filled(output, 3)
+    os.truncate(rows_of(output), size)
+    with pytest.raises(InputError, match=r"parts: is damaged: .*; remove the folder to start again"):
+        finished(output)
+    assert rows_of(output).is_file()
 
 
 def test_the_rows_of_a_sweep_that_was_killed_are_in_the_log(output: Path):
     """SQLite keeps them there until it closes the database; another process takes them from there."""
     killed = output.with_name("killed")
-    with Store(output, JOB, TYPES, print) as store:
+    with Store(output, JOB, TYPES) as store:
         store.append(part(0))
         store.append(part(1))
         shutil.copytree(rows_of(output).parent, killed)
@@ -131,77 +125,19 @@ def test_the_rows_of_a_sweep_that_was_killed_are_in_the_log(output: Path):
     output.unlink()
     killed.rename(rows_of(output).parent)
     assert {path.name for path in rows_of(output).parent.iterdir()} == {"rows", "rows-wal"}
-    hours_ago = time() - 2.0 * 3600.0
-    os.utime(rows_of(output), (hours_ago, hours_ago))
-    with Store(output, JOB, TYPES, print) as store:
+    with Store(output, JOB, TYPES) as store:
         assert store.done == 6
-        assert store.age_s < 3600.0
-    assert not finished(output)
-
-
-@pytest.mark.parametrize("size", [0, 100, 5000])
-def test_rows_that_are_cut_are_computed_again(output: Path, size: int):
-    filled(output, 3)
-    os.truncate(rows_of(output), size)
-    assert bool(finished(output)) == (size > 0)  # nothing is no damage
-    assert len(read_table(output)["limit_m_s"]) == 9
-
-
-def test_rows_that_are_damaged_after_they_were_read_make_no_table(output: Path):
-    filled(output, 3)
-    with Store(output, JOB, TYPES, print) as store:
-        store._database.execute("update chunk set content = zeroblob(9) where start = 3")
-        with pytest.raises(InputError, match="damaged rows; finished rows are kept, repeat the same sweep"):
-            store.finish()
-    assert not output.exists()
-    assert finished(output) == [f"{rows_of(output)}: damaged, all but the first 3 rows are computed again"]
-
-
-def test_no_journal_is_ever_beside_the_rows(output: Path, monkeypatch: pytest.MonkeyPatch):
-    """A second sweep that saw one for a moment would refuse the folder."""
-    seen, connect = set[str](), sqlite3.connect
-
-    class Watched(sqlite3.Connection):
-        def close(self) -> None:
-            seen.update(path.name[-8:] for path in rows_of(output).parent.iterdir())
-            super().close()
-
-    monkeypatch.setattr("sqlite3.connect", partial(connect, factory=Watched))
-    filled(output, 2)
     finished(output)
-    assert "rows-wal" in seen
-    assert "-journal" not in seen
 
 
 def test_one_process_at_a_time(output: Path):
-    with Store(output, JOB, TYPES, print), pytest.raises(InputError, match="another sweep is at work"):
-        Store(output, {**JOB, "quantities": "y"}, TYPES, print).__enter__()
+    with Store(output, JOB, TYPES), pytest.raises(InputError, match="another sweep is at work"):
+        Store(output, {**JOB, "quantities": "y"}, TYPES).__enter__()
     assert list(output.parent.iterdir()) == []
 
 
-def test_without_locks_the_rows_are_elsewhere(output: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Rows are resumed from there, and removed."""
-    local = tmp_path / "local"
-    local.mkdir()
-    monkeypatch.setattr("armour.sweeps.store.gettempdir", lambda: str(local))
-    connect = sqlite3.connect
-
-    def connected(path: Path, **settings: Any) -> sqlite3.Connection:
-        if local not in path.parents:
-            raise sqlite3.OperationalError("database is locked")
-        return connect(path, **settings)
-
-    monkeypatch.setattr("sqlite3.connect", connected)
-    [line] = filled(output, 2)
-    [folder] = local.iterdir()
-    assert line == f"{output}.parts: cannot be locked; rows are kept in {folder}: only this machine can resume"
-    finished(output)
-    assert {*tmp_path.iterdir()} == {local, output}
-    assert not list(local.iterdir())
-
-
 def test_a_full_disk_is_told_and_what_is_done_is_kept(output: Path, monkeypatch: pytest.MonkeyPatch):
-    with Store(output, JOB, TYPES, print) as store:
+    with Store(output, JOB, TYPES) as store:
         store.append(part(0))
         store._database.execute("pragma max_page_count = 1")
         big = Chunk({name: np.zeros(100_000) for name in TYPES}, {})
@@ -212,7 +148,7 @@ def test_a_full_disk_is_told_and_what_is_done_is_kept(output: Path, monkeypatch:
         patch.setattr("os.fsync", full_disk)
         with pytest.raises(InputError, match="cannot be written: no space left on device; finished rows are kept"):
             finished(output)
-    assert not finished(output)
+    finished(output)
 
 
 def full_disk(_file: int) -> None:
@@ -231,12 +167,12 @@ def test_a_process_that_was_killed_before_its_first_row_leaves_nothing_that_matt
     folder = rows_of(output).parent
     folder.mkdir(mode=0o700)
     (folder / name).touch()
-    assert not filled(output, 1)
-    assert not finished(output)
+    filled(output, 1)
+    finished(output)
     assert list(output.parent.iterdir()) == [output]
 
 
-@pytest.mark.parametrize("name", ["job", "a.new", "0000000000000.npz"])
+@pytest.mark.parametrize("name", ["job", "a.new", "rows-journal"])
 def test_own_files_in_a_folder_of_that_name_survive(output: Path, name: str):
     folder = rows_of(output).parent
     folder.mkdir(mode=0o700)
@@ -329,29 +265,9 @@ def test_the_database_is_no_link(strange: sqlite3.Connection, output: Path):
     assert victim.read_bytes() == before
 
 
-def test_a_journal_does_not_remove_a_file(strange: sqlite3.Connection, output: Path):
-    """SQLite removes the file that a journal names as one of several databases."""
-    strange.executescript(TABLE)
-    strange.close()
-    victim, magic = output.with_name("victim"), bytes.fromhex("d9d505f920a163d7")
-    victim.write_text("mine")
-    name, pages = bytes(victim), rows_of(output).stat().st_size // 4096
-    header = magic + struct.pack(">5I", 0, 1, pages, 512, 4096)
-    ending = struct.pack(">I", 0) + name + struct.pack(">2I", len(name), sum(name)) + magic
-    journal = output.with_name(f"{output.name}.parts") / "rows-journal"
-    journal.write_bytes(header.ljust(512, b"\0") + ending)
-    with pytest.raises(InputError, match="contains other files, such as rows-journal"):
-        finished(output)
-    assert victim.read_text() == "mine"
-    # What it is that is refused.
-    with closing(sqlite3.connect(rows_of(output))) as database:
-        database.execute("select * from chunk").close()
-    assert not victim.exists()
-
-
 def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     output.write_text("old")
-    with Store(output, JOB, TYPES, print, replace=True) as store:
+    with Store(output, JOB, TYPES, replace=True) as store:
         store.append(part(0))
         assert output.read_bytes() == b"old"
         store.finish()
@@ -359,11 +275,11 @@ def test_only_a_file_is_replaced_where_that_is_asked_for(output: Path):
     link = output.with_stem("link")
     link.symlink_to(output)
     with pytest.raises(InputError, match=r"link\.\w+: exists already"):
-        Store(link, JOB, TYPES, print, replace=True).__enter__()
+        Store(link, JOB, TYPES, replace=True).__enter__()
 
 
 def test_an_output_that_comes_during_the_sweep_stays(output: Path):
-    with Store(output, JOB, TYPES, print) as store:
+    with Store(output, JOB, TYPES) as store:
         store.append(part(0))
         output.write_text("mine")
         with pytest.raises(InputError, match="exists already"):
@@ -391,11 +307,6 @@ def test_the_size_of_chunks_leaves_no_trace(tmp_path: Path, monkeypatch: pytest.
             contents.add(path.read_bytes())
         assert len(contents) == 1
         np.testing.assert_array_equal(read_table(tmp_path / f"4.{ending}")["x"], column)
-
-
-def test_texts_are_no_formulas_and_numbers_stay_numbers():
-    columns = {"name": np.array(["=1+1", "-1", "two\nlines"]), "x": np.array([-1.5, 1e-3, np.nan])}
-    assert csv_of(columns, header=True) == b"name,x\n'=1+1,-1.5\n'-1,0.001\ntwo\\nlines,\n"
 
 
 def test_parquet_without_pyarrow_says_what_to_install(monkeypatch: pytest.MonkeyPatch):

@@ -4,7 +4,6 @@ import pytest
 
 from armour.analysis.ballistic_limit import ballistic_limit
 from armour.analysis.impact import simulate
-from armour.errors import InputError
 from armour.scenario.scenario import load_scenario
 from armour.validation.figures import Figure, compute_figure, paper_figures, read_figures
 from tests.helpers.cases import scenario
@@ -49,14 +48,6 @@ def test_quantities_may_be_divided_and_the_abscissa_moved(folder: Path):
     ]
 
 
-def test_several_quantities_go_by_their_names(folder: Path):
-    two = FIGURES.replace('"residual_velocity_m_s"', '"velocity_lost_percent", "mass_lost_percent"')
-    labels = list(computed(folder, two).curves)
-    assert labels == ["A, velocity lost", "A, mass lost", "B, velocity lost", "B, mass lost"]
-    alone = two.replace('curve = [{ label = "A" }, { label = "B", set = { armour = { ceramic = "AD99.5" } } }]', "")
-    assert list(computed(folder, alone).curves) == ["velocity lost", "mass lost"]
-
-
 def test_a_curve_has_a_gap_where_there_is_no_answer(folder: Path):
     text = FIGURES.replace("residual_velocity_m_s", "ballistic_limit_m_s")
     text = text.replace('{ label = "A" }', '{ label = "A", set = { ballistic_limit = { velocity_max_m_s = 700.0 } } }')
@@ -64,11 +55,6 @@ def test_a_curve_has_a_gap_where_there_is_no_answer(folder: Path):
     first, *others = computed(folder, text).curves["A"]
     assert first == pytest.approx(limit, abs=0.01)
     assert others == [None, None]
-
-
-def test_a_mistake_in_a_file_of_figures(folder: Path):
-    with pytest.raises(InputError, match='unknown quantity "speed"'):
-        computed(folder, FIGURES.replace("residual_velocity_m_s", "speed"))
 
 
 def test_the_papers_figures_are_complete_and_their_scenarios_valid():
@@ -109,31 +95,3 @@ def test_curves_pass_near_the_numbers_of_the_papers_text(name: str, tolerance: f
                 assert figure.curves[mark.of][0] == pytest.approx(y, abs=tolerance)
                 found += 1
     assert found == marks
-
-
-@pytest.mark.parametrize("names", [("fig05", "fig07"), ("fig06", "fig08")])
-def test_designs_are_drawn_at_three_velocities(names: tuple[str, str]):
-    """Each needs more than the one before, and none ends at the edge of the search."""
-    path = paper_figures()
-    for section in [section for section in read_figures(path) if section.name in names]:
-        at = section.model_copy(update={"range": section.range.model_copy(update={"step": 6.0})})
-        curves = compute_figure(at, path.parent).curves.values()
-        for values in zip(*curves, strict=True):
-            assert len(set(values)) == 3
-            assert sorted(values) == list(values)
-        for curve in curves:
-            assert len(set(curve)) == len(curve)
-
-
-def test_a_required_thickness_gives_the_areal_density():
-    path = paper_figures()
-    coarse = [
-        section.model_copy(update={"range": section.range.model_copy(update={"step": 4.0})})
-        for section in read_figures(path)
-        if section.name in ("fig05", "fig07")
-    ]
-    thickness, density = (compute_figure(section, path.parent) for section in coarse)
-    pairs = zip(thickness.x, *(next(iter(each.curves.values())) for each in (thickness, density)), strict=True)
-    for backing, ceramic, areal in pairs:
-        assert ceramic is not None
-        assert areal == pytest.approx(3.43 * ceramic + 2.75 * backing)

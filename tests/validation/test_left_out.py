@@ -1,11 +1,9 @@
 """How the model error does on tests left out: parts of docs/evidence/left-out.md, computed anew."""
 
-from itertools import islice
-
 import pytest
 
 from tests.helpers.cases import SCENARIOS
-from tools.campaigns.evidence import Outcome, bands, beyond_the_limit, series, study
+from tools.campaigns.evidence import Outcome, bands, beyond_the_limit, study
 from tools.tables import table
 
 pytestmark = pytest.mark.slow
@@ -32,11 +30,3 @@ def test_alloys_left_out():
     rms = {method: float(rms) for _, method, _, rms, *_ in rows}
     assert rms["this model"] <= 7.8
     assert rms["this model"] < 0.5 * rms["k sqrt(Y t D²/m)"]
-
-
-def test_series_left_out():
-    # The mixture comes first: each series, and all.
-    *_, every = rows = list(islice(series(), 4))
-    assert are_shown(rows)
-    assert every[:2] == ["three laws", "all"]
-    assert int(every[-1]) == 13

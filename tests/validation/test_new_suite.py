@@ -27,20 +27,14 @@ def cases(watched: Scenario) -> list[dict[str, Any]]:
 
 def test_the_limit_and_the_probability_of_an_armour():
     limit, probability = cases(scenario())
-    shared = {"scenario": "doors/a.toml"}
     assert limit == {
         "name": "doors/a: ballistic limit against 7.62 mm AP",
+        "scenario": "doors/a.toml",
         "quantity": "ballistic_limit_m_s",
         "band": 0.5,
-        **shared,
     }
-    assert probability == {
-        "name": "doors/a: probability of stopping 7.62 mm AP at 800 m/s",
-        "quantity": "probability_of_stopping",
-        "band": 0.005,
-        "reason": "half of the last digit shown",
-        **shared,
-    }
+    assert probability["name"] == "doors/a: probability of stopping 7.62 mm AP at 800 m/s"
+    assert (probability["quantity"], probability["band"]) == ("probability_of_stopping", 0.005)
 
 
 def test_each_threat_sets_the_impact_and_each_round_has_one_limit():
@@ -84,7 +78,7 @@ def test_an_update_fills_in_what_is_computed(folder: Path):
     suite = folder / "suite.toml"
     named = scenario(threat=[{"threat": "STANAG 4569 level 4, B32"}, AP])
     (folder / "a.toml").write_text(named.to_toml())
-    suite.write_text(new_suite({"a.toml": named, "catalogue": shipped_scenario("catalogue")}))
+    suite.write_text(new_suite({"a.toml": named}))
     first = validate(load_suite(suite))
     assert {check.status for check in first.checks} == {"no expected value"}
     suite.write_bytes(updated_file(suite.read_bytes(), updates_of(first)))

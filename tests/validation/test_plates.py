@@ -74,13 +74,6 @@ def test_the_data_are_whole():
         assert float(row["thickness_over_diameter"]) == pytest.approx(ratio, abs=5e-5)
 
 
-def test_every_column_is_explained():
-    page = (FOLDER / "README.md").read_text()
-    assert [name for name in rows()[0] if f"`{name}`" not in page] == []
-    assert "10.17632/4f92y6jzzh.2" in page
-    assert "CC BY 4.0" in page
-
-
 @pytest.mark.parametrize(
     ("metal", "rounds", "least", "most", "number", "mean", "rms", "magnitude"),
     [

@@ -156,7 +156,6 @@ expected = 1.0
 
 
 IN_SCENARIO = "case[0].scenario: must be a valid scenario: wilkins.toml: "
-IN_TABLE = "table[0].scenario: must be a valid scenario: wilkins.toml: "
 IN_ROW = "table[0].rows[0]: must be a valid scenario: wilkins.toml: "
 
 
@@ -164,14 +163,10 @@ MISTAKES = {
     CASE: [
         ("band = 1.0", "band = 1.0\nband_percent = 2.0", "case[0]: must have band or band_percent, found both"),
         ("band = 1.0", "band = -1.0", "case[0].band: must be at least 0, found -1.0"),
-        ("band = 1.0", "band = 1e300", "case[0].band: must be at most 1e+12, found 1e+300"),
-        ("724.0", "1e300", "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found 1e+300"),
         ("724.0", "nan", "case[0].expected: must be a finite number, found nan"),
-        ("724.0", '"fast"', "case[0]: expected must be a number up to 1e+12 for ballistic_limit_m_s, found the"),
-        ("724.0", "1" + 400 * "0", "case[0].expected: must be a number, found a whole number of more than 64 bits"),
+        ("724.0", '"fast"', "case[0]: expected must be a number for ballistic_limit_m_s, found the"),
         ("band = 1.0", "band = 1.0\nreplaced_by = {}", "case[0]: replaced_by belongs to thickness_saved_percent"),
         ("ballistic_limit_m_s", "outcome", "case[0]: an outcome has no band, found band"),
-        ("ballistic_limit_m_s", "verdict", "case[0]: a verdict has no band, found band"),
         ("wilkins", "no", "case[0].scenario: must be a valid scenario: no.toml: cannot be read: no such file"),
         ("band = 1.0", 'band = 1.0\nset.armour.ceramic = "AD85x"', f"{IN_SCENARIO}armour.ceramic: must name a"),
         ("ballistic_limit_m_s", "optimum_areal_density_kg_m2", f"{IN_SCENARIO}optimise: is missing"),
@@ -184,7 +179,6 @@ MISTAKES = {
     TABLE: [
         ("6.35, 730.0]", "730.0]", "table[0]: every row must have the 2 numbers of the columns, found 1 in row"),
         ('"expected"', '"found"', "table[0]: columns must include expected"),
-        ('"expected"', '"expected", "expected"', "table[0]: columns must differ from each other"),
         ("rms_band", "rms_band_percent = 2.0\nrms_band", "table[0]: must have rms_band or rms_band_percent, foun"),
         (
             "ballistic_limit_m_s",
@@ -196,12 +190,11 @@ MISTAKES = {
         ("[6.35", "[-1.0", f"{IN_ROW}armour.ceramic_thickness_mm: must be"),
         ("armour.ceramic_thickness_mm", "design.thickness_max_mm", "design.thickness_max_mm: must have an effec"),
         ("band", "set.armour.ceramic_thickness_mm = 5.0\nband", f"{IN_ROW}armour.ceramic_thickness_mm: must"),
-        ("band", "set.title.x = 5.0\nband", f"{IN_TABLE}title: must be"),
         ("band", "set.uncertainty.seed = 5\nband", "uncertainty.seed: must have"),
         ("band", 'set.library.ceramic.AD85x.based_on = "AD85"\nband', 'scenario uses; did you mean "AD85"?'),
     ],
     TABLE.replace("0],", "0, 0.0],"): [
-        ('d"]', 'd", "measured"]', "table[0]: measured must be at least 1e-12, found 0")
+        ('d"]', 'd", "measured"]', "table[0]: measured must be greater than 0, found 0")
     ],
     FILE: [
         ('file = "t.csv"', "band = 1.0", "table[0]: must not have where without a file"),
@@ -210,7 +203,6 @@ MISTAKES = {
         ("ballistic_limit_m_s", "residual_mass_g", "t.csv: must be a table of tests with the column"),
         ("kept = 1", "kept = 2", "t.csv: must have tests with ballistic_limit_m_s and kept as the suite selects"),
         ("kept = 1", "kept = { max = 2 }", "table[0].where.kept.max: unknown key; choose from min, below"),
-        ("kept = 1", "kept = true", "table[0].where.kept[0]: must be a number, found true"),
     ],
 }
 
@@ -235,11 +227,6 @@ def test_tables_have_names_of_their_own(folder: Path):
         text = "".join(TABLE.replace('name = "t"', f'name = "{name}"') for name in names)
         message = f'must each have a name of its own, other than "cases", found "{names[1]}"'
         assert mistakes(folder, text) == [f"suite.toml: table: {message}"]
-
-
-def test_rows_are_named_by_the_layer_that_differs(folder: Path):
-    text = TABLE.replace("armour.ceramic_thickness_mm", "backing.density_kg_m3").replace("[6.35", "[2700.0")
-    assert load(folder, text).cases[0].name == "plate density 2700 kg/m³"
 
 
 GRID = grid((0.0, 60.0, 1.0), (1.0, 60.0, 1.0))

@@ -19,13 +19,6 @@ def test_the_error_is_known_of_what_was_tested_and_of_no_other_entry():
         assert known == (("ceramic", ceramic) in found), ceramic
 
 
-def test_rounds_and_materials_are_listed_with_each_other():
-    found = tested.tested_with()
-    assert found["metal", "AA5083-H116"] == ("7.62 mm APM2",)
-    assert "AA5083-H116" in found["projectile", "7.62 mm APM2"]
-    assert found["ceramic", "AD85"] == ("7.62 mm AP, on 6061-T6",)
-
-
 def test_files_of_these_names_in_the_working_folder_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "tests").mkdir()
     for name in ("tests/plates", "tests/wilkins", "wilkins"):

@@ -99,7 +99,7 @@ def requirement(
     v50 = REQUIRED * prior.limit_m_s + (distance - float(ndtri(fraction))) * scatter
     known, dice = posterior(Shots((), ()), settings), np.random.default_rng([seed, firings])
     many = Missed(known, settings, firings, CANDIDATES)
-    shots, decided, _ = fire(many, np.full(firings, v50), np.full(firings, scatter), dice)
+    shots, decided = fire(many, np.full(firings, v50), np.full(firings, scatter), dice)
     return float((decided > 0).mean()), float((decided < 0).mean()), float(np.minimum(shots, MOST_SHOTS).mean())
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from armour.scenario.inputs import INPUTS, ROLES, Kind
 from armour.scenario.keys import key_name
 from armour.validation.suite import Suite, load_suite
-from armour.validation.validate import FAILED, paper_suite, validate
+from armour.validation.validate import FAILED, validate
 from tools.campaigns.verdict import verdict
 
 # Changes of an input, from the least: a result need not depend on it monotonically.
@@ -98,7 +98,7 @@ def survivors(suite: Suite, some: Iterable[Perturbation]) -> list[str]:
 
 def main() -> int:
     """Run all perturbations; the exit code is 3 if something scored stays within its band under all."""
-    suite = load_suite(paper_suite())
+    suite = load_suite("paper")
     left = survivors(suite, perturbations(suite))
     number = len(scored(suite))
     text = f"{number - len(left)} of {number} scored values leave their bands; not: {', '.join(left) or 'none'}"

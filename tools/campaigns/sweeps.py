@@ -30,7 +30,7 @@ sweep_s = [60.0]
 
 def sweep(output: Path, quantities: str = QUANTITIES[0], *more: str) -> int:
     """Run a sweep and return its exit code; its messages go to a file beside the output."""
-    args = ["sweep", str(SCENARIOS / "wilkins.toml"), *OVER, "--quantities", quantities, "--threads", "1"]
+    args = ["sweep", str(SCENARIOS / "wilkins.toml"), *OVER, "--quantities", quantities]
     return command([*args, *more, "-o", str(output)], Path(f"{output.parent}.messages"))
 
 

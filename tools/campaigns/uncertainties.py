@@ -61,17 +61,15 @@ def estimates(scenario: Scenario) -> Iterator[tuple[str, Estimate]]:
 
 
 def shares(seeds: int, first: int) -> Iterator[Share]:
-    """Yield the shares of runs whose interval contains the truth, by method and quantity, and those of all together."""
+    """Yield the shares of runs whose interval contains the truth, by quantity, and those of all together."""
     shipped = load_scenario(SHIPPED)
     for name, scenario in (("independent", shipped), ("correlated", shipped.replaced(CORRELATED))):
         true = truths(scenario)
-        for method in ("sobol", "latin hypercube"):
-            counts = dict.fromkeys(true, 0)
-            for seed in range(first, first + seeds):
-                replaced = scenario.replaced({"uncertainty.method": method, "uncertainty.seed": seed})
-                for key, estimate in estimates(replaced):
-                    counts[key] += estimate.low <= true[key] <= estimate.high
-            case = f"{name} inputs, {method}"
-            for key, count in counts.items():
-                yield Share(case, f"{key}, {true[key]:.5f}", count, seeds)
-            yield Share(case, "all", sum(counts.values()), seeds * len(counts), LEAST)
+        counts = dict.fromkeys(true, 0)
+        for seed in range(first, first + seeds):
+            for key, estimate in estimates(scenario.replaced({"uncertainty.seed": seed})):
+                counts[key] += estimate.low <= true[key] <= estimate.high
+        case = f"{name} inputs"
+        for key, count in counts.items():
+            yield Share(case, f"{key}, {true[key]:.5f}", count, seeds)
+        yield Share(case, "all", sum(counts.values()), seeds * len(counts), LEAST)

@@ -334,12 +334,8 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
     scanned = f"{points} velocities from {low:g} to {high:g} m/s"
     if not lowest_perforates:
         return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
-    if not crossings:
-        return f"no ballistic limit: all of {scanned} perforate; lower ballistic_limit.velocity_min_m_s"
-    return (
-        f"no ballistic limit: the lowest velocity, {low:g} m/s, perforates, but some higher velocities do not "
-        f"({_listed(crossings)}); lower ballistic_limit.velocity_min_m_s"
-    )
+    perforating = f"the lowest of {scanned} perforates" if crossings else f"all of {scanned} perforate"
+    return f"no ballistic limit: {perforating}; lower ballistic_limit.velocity_min_m_s"
 
 
 def _listed(crossings: tuple[Crossing, ...]) -> str:
@@ -410,7 +406,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     result = confidence_in(row, on_progress)
     warnings = scenario_warnings(scenario, scenario.impact.velocity_m_s, armours=row.armours, said=True)
     if result.probability_of_stopping is None:
-        required = scenario.design.required_probability if scenario.design else None
+        required = scenario.design.probability_of_stopping if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
     result = replace(result, notes=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
     return result.of(scenario=scenario)

@@ -5,7 +5,7 @@ A question without an answer gives NaN; a run that does not end raises an InputE
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.inputs import INPUTS
 from armour.scenario.keys import canonical, parts_of
 from armour.scenario.scenario import EXACT_INPUTS, Place, Scenario, in_row
-from armour.units import MM, G
+from armour.units import MM, US, G
 
 
 class Group(NamedTuple):
@@ -122,7 +122,7 @@ def evaluate_groups(
     """
     answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
-    computed = {name: compute for name in quantities if (compute := QUANTITIES[name].compute) is not None}
+    computed = {name: COMPUTED[name] for name in quantities if name in COMPUTED}
     columns = {
         name: np.concatenate([compute(answer) for answer in answers])[order] for name, compute in computed.items()
     }
@@ -206,36 +206,10 @@ class QuantityValues:
         """Parameters of the variants, an array, (n,), by field of the core."""
         return batch.fields(self.variants.parameters)
 
-    @property
-    def outcomes(self) -> Any:
-        """Outcomes of the impacts, in words."""
-        return np.where(self.perforated, "perforated", "stopped")
-
-    @property
-    def velocities_lost(self) -> Floats:
-        """Velocities lost, %."""
-        return 100.0 * (1.0 - self.residual_velocities / self.variants.velocities)
-
-    @property
-    def masses_lost(self) -> Floats:
-        """Masses lost, %."""
-        return 100.0 * (1.0 - (self.impacts.L / MM) / (self.fields.L0 / MM))
-
-    @property
-    def plug_velocities(self) -> Floats:
-        """Velocities of the plugs, m/s; 0 if the projectile is stopped."""
-        return np.where(self.perforated, self.impacts.W, 0.0)
-
     @cached_property
     def shots(self) -> Mixture:
         """Distributions of the velocities below which shots are stopped, given model error and scatter of shots."""
         return self.variants.shot_distributions(self.ballistic_limits)
-
-    @property
-    def probabilities_of_stopping(self) -> Floats:
-        """Probabilities of stopping a shot."""
-        by_tests = self.shots.probability_above(self.variants.velocities)
-        return np.minimum(by_tests, self.variants.errors.greatest)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
         """Return warnings that the outcome changes more than once, each with the number of rows concerned."""
@@ -246,3 +220,29 @@ class QuantityValues:
             if layer := QUANTITIES[name].least:
                 rows_by_words[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again
         return {words: int(np.count_nonzero(rows)) for words, rows in rows_by_words.items() if rows.any()}
+
+
+# Values of each quantity but the verdict, which `armour.design.check` gives.
+COMPUTED: dict[str, Callable[[QuantityValues], Any]] = {
+    "outcome": lambda a: np.where(a.perforated, "perforated", "stopped"),
+    "residual_velocity_m_s": lambda a: a.residual_velocities,
+    "residual_mass_g": lambda a: a.residual_masses,
+    "residual_length_mm": lambda a: a.impacts.L / MM,
+    "velocity_lost_percent": lambda a: 100.0 * (1.0 - a.residual_velocities / a.variants.velocities),
+    "mass_lost_percent": lambda a: 100.0 * (1.0 - (a.impacts.L / MM) / (a.fields.L0 / MM)),
+    "penetration_depth_mm": lambda a: a.impacts.Z / MM,
+    "bulge_height_mm": lambda a: a.impacts.h / MM,
+    "plug_velocity_m_s": lambda a: np.where(a.perforated, a.impacts.W, 0.0),
+    "duration_us": lambda a: a.impacts.t / US,
+    "areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2(),
+    "whole_areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2(whole=True),
+    "ballistic_limit_m_s": lambda a: a.ballistic_limits,
+    "expected_limit_m_s": lambda a: a.shots.medians(),
+    "probability_of_stopping": lambda a: np.minimum(
+        a.shots.probability_above(a.variants.velocities), a.variants.errors.greatest
+    ),
+    "required_ceramic_thickness_mm": lambda a: a.with_least_ceramic.ceramics_mm,
+    "required_backing_thickness_mm": lambda a: a.with_least_backing.backings_mm,
+    "required_total_thickness_mm": lambda a: a.least("armour").mm,
+    "required_areal_density_kg_m2": lambda a: a.with_least_ceramic.areal_densities_kg_m2(),
+}

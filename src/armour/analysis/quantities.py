@@ -4,12 +4,12 @@ The help of the command line lists them, so this module imports nothing that is 
 `armour.analysis.evaluate` computes the quantities.
 """
 
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 from armour.scenario.inputs import ERROR, OF_ERROR, ROLES, ROUND_AND_ARMOUR, YIELD
 from armour.scenario.keys import parts_of
-from armour.units import MM, US, words_and_unit
+from armour.units import words_and_unit
 
 # Description of the quantities on the grid.
 REQUIRED_QUANTITIES = (
@@ -19,17 +19,16 @@ REQUIRED_QUANTITIES = (
 # What a quantity depends on besides projectile, armour, model and solver, see `armour.scenario.effect`.
 OF_IMPACT, OF_LIMIT, OF_GRID = ("impact",), ("ballistic_limit",), ("impact", "optimise")
 OF_STOPPING = ("impact", "ballistic_limit", *OF_ERROR)
-OF_WEIGHT = ("design.added_areal_density_kg_m2", "design.existing")
+OF_WEIGHT = ("design.existing",)
 DESIGNS = (*OF_GRID, *OF_LIMIT, "threat", "armour.ceramic", "armour.backing", "armour.layer", "design", "uncertainty")
 
 # Name of the quantity that is the verdict of `check`.
 VERDICT = "verdict"
 # Keys of [design] that a check reads: requirements, what is added to the armour, and materials with their costs.
 OF_CHECK = (
-    *("design.probability_of_stopping", "design.confidence", "design.thickness_tolerance_mm"),
+    *("design.probability_of_stopping", "design.thickness_tolerance_mm"),
     *("design.areal_density_max_kg_m2", "design.thickness_max_mm", "design.cost_max_per_m2"),
-    *(*OF_WEIGHT, "design.added_thickness_mm", "design.added_cost_per_m2"),
-    *("design.ceramic", "design.backing"),
+    *("design.existing", "design.ceramic", "design.backing"),
 )
 
 
@@ -69,9 +68,6 @@ class Quantity(NamedTuple):
     unit: str
     spec: str  # format specification in tables; those of a sweep show six digits
     reads: tuple[str, ...]  # sections and keys that it depends on besides projectile, armour, model and solver
-    # Takes `armour.analysis.evaluate.QuantityValues`, returns the values of the rows; None for the verdict, which
-    # `armour.design.check` gives.
-    compute: Callable[[Any], Any] | None
     least: str = ""  # layer whose least thickness this quantity is, or is computed from
 
     @property
@@ -80,54 +76,30 @@ class Quantity(NamedTuple):
         return "optimise" in self.reads
 
 
-QUANTITIES: dict[str, Quantity] = {
-    "outcome": Quantity("outcome by the model", "", "", OF_IMPACT, lambda a: a.outcomes),
-    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.residual_velocities),
-    "residual_mass_g": Quantity("residual mass", "g", ".2f", OF_IMPACT, lambda a: a.residual_masses),
-    "residual_length_mm": Quantity("residual length", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.L / MM),
-    "velocity_lost_percent": Quantity("velocity lost", "%", ".1f", OF_IMPACT, lambda a: a.velocities_lost),
-    "mass_lost_percent": Quantity("mass lost", "%", ".1f", OF_IMPACT, lambda a: a.masses_lost),
-    "penetration_depth_mm": Quantity("penetration depth", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.Z / MM),
-    "bulge_height_mm": Quantity("bulge height", "mm", ".1f", OF_IMPACT, lambda a: a.impacts.h / MM),
-    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".0f", OF_IMPACT, lambda a: a.plug_velocities),
-    "duration_us": Quantity("duration", "µs", ".0f", OF_IMPACT, lambda a: a.impacts.t / US),
-    "areal_density_kg_m2": Quantity(
-        "areal density", "kg/m²", ".1f", OF_WEIGHT, lambda a: a.variants.areal_densities_kg_m2()
-    ),
-    "whole_areal_density_kg_m2": Quantity(
-        "areal density of the whole armour",
-        "kg/m²",
-        ".1f",
-        OF_WEIGHT,
-        lambda a: a.variants.areal_densities_kg_m2(whole=True),
-    ),
-    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT, lambda a: a.ballistic_limits),
-    "expected_limit_m_s": Quantity("expected limit", "m/s", ".0f", (*OF_LIMIT, *OF_ERROR), lambda a: a.shots.medians()),
-    "probability_of_stopping": Quantity(
-        "probability of stopping a shot", "", ".2f", OF_STOPPING, lambda a: a.probabilities_of_stopping
-    ),
-    VERDICT: Quantity("verdict", "", "", _CHECK, None),
-    "required_ceramic_thickness_mm": Quantity(
-        "required tile thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_ceramic.ceramics_mm, "ceramic"
-    ),
-    "required_backing_thickness_mm": Quantity(
-        "required plate thickness", "mm", ".3f", OF_GRID, lambda a: a.with_least_backing.backings_mm, "back plate"
-    ),
+QUANTITIES = {
+    "outcome": Quantity("outcome by the model", "", "", OF_IMPACT),
+    "residual_velocity_m_s": Quantity("residual velocity", "m/s", ".0f", OF_IMPACT),
+    "residual_mass_g": Quantity("residual mass", "g", ".2f", OF_IMPACT),
+    "residual_length_mm": Quantity("residual length", "mm", ".1f", OF_IMPACT),
+    "velocity_lost_percent": Quantity("velocity lost", "%", ".1f", OF_IMPACT),
+    "mass_lost_percent": Quantity("mass lost", "%", ".1f", OF_IMPACT),
+    "penetration_depth_mm": Quantity("penetration depth", "mm", ".1f", OF_IMPACT),
+    "bulge_height_mm": Quantity("bulge height", "mm", ".1f", OF_IMPACT),
+    "plug_velocity_m_s": Quantity("plug velocity", "m/s", ".0f", OF_IMPACT),
+    "duration_us": Quantity("duration", "µs", ".0f", OF_IMPACT),
+    "areal_density_kg_m2": Quantity("areal density", "kg/m²", ".1f", OF_WEIGHT),
+    "whole_areal_density_kg_m2": Quantity("areal density of the whole armour", "kg/m²", ".1f", OF_WEIGHT),
+    "ballistic_limit_m_s": Quantity("ballistic limit", "m/s", ".0f", OF_LIMIT),
+    "expected_limit_m_s": Quantity("expected limit", "m/s", ".0f", (*OF_LIMIT, *OF_ERROR)),
+    "probability_of_stopping": Quantity("probability of stopping a shot", "", ".2f", OF_STOPPING),
+    VERDICT: Quantity("verdict", "", "", _CHECK),
+    "required_ceramic_thickness_mm": Quantity("required tile thickness", "mm", ".3f", OF_GRID, "ceramic"),
+    "required_backing_thickness_mm": Quantity("required plate thickness", "mm", ".3f", OF_GRID, "back plate"),
     "required_total_thickness_mm": Quantity(
-        "required thickness of both layers in proportion",
-        "mm",
-        ".3f",
-        OF_GRID,
-        lambda a: a.least("armour").mm,
-        "armour",
+        "required thickness of both layers in proportion", "mm", ".3f", OF_GRID, "armour"
     ),
     "required_areal_density_kg_m2": Quantity(
-        "areal density with the required ceramic",
-        "kg/m²",
-        ".2f",
-        (*OF_GRID, *OF_WEIGHT),
-        lambda a: a.with_least_ceramic.areal_densities_kg_m2(),
-        "ceramic",
+        "areal density with the required ceramic", "kg/m²", ".2f", (*OF_GRID, *OF_WEIGHT), "ceramic"
     ),
 }
 

@@ -59,7 +59,7 @@ class Result:
         `computed` says what was computed, in words; `question` has the other entries of the attribute ``question``.
         """
         words = {} if computed is None else {"computed": computed}
-        vars(self)["question"] = {**self.question, **words, **question}
+        object.__setattr__(self, "question", {**self.question, **words, **question})
         return self
 
     def subject(self) -> str:
@@ -125,12 +125,12 @@ class TableResult(Result):
         return (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
 
     def to_dataframe(self) -> Any:
-        """Return the rows as a data frame of pandas, or else of polars.
+        """Return the rows as a data frame of pandas.
 
-        The rows are the stages of an impact, the instants of a history, the impacts of a comparison, the designs of the
-        frontier, the fitted curves of a V50, the residuals of a calibration, the inputs of a sensitivity, the points of
-        the curve of an uncertainty, the threats and changes of a check, the planned tests, the checks of a suite or the
-        rows of a sweep.
+        The rows are the stages of an impact, the instants of a history, the predictions of a comparison, the designs
+        of the frontier, the fitted curves of a V50, the residuals of a calibration, the inputs of a sensitivity, the
+        points of the curve of an uncertainty, the threats and changes of a check, the checks of a suite or the rows of
+        a sweep.
         """
         return data_frame(self._columns())
 
@@ -140,29 +140,9 @@ class TableResult(Result):
 
 
 def data_frame(columns: Mapping[str, Any]) -> Any:
-    """Return columns as a data frame of pandas, or else of polars."""
-    # A column of None only stands for numbers that are not known.
+    """Return columns as a data frame of pandas; a column of None alone stands for numbers that are not known."""
     empty = [key for key, values in columns.items() if isinstance(values, list) and set(values) == {None}]
-    for name in ("pandas", "polars"):
-        try:
-            frame = import_module(name).DataFrame
-        except ModuleNotFoundError as error:
-            if error.name != name:
-                raise
-            continue
-        if name == "pandas":
-            return frame({**columns, **{key: [nan] * len(columns[key]) for key in empty}})
-        return frame(_uniform(columns), schema_overrides=dict.fromkeys(empty, float))
-    raise ModuleNotFoundError("a data frame needs pandas or polars; install one of them")
-
-
-def _uniform(columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn columns that mix numbers and texts into texts, since a column of polars has one type."""
-    mixed = {key for key, values in columns.items() if {float, str} <= set(map(type, values))}
-    return {
-        key: [None if value is None else str(value) for value in values] if key in mixed else values
-        for key, values in columns.items()
-    }
+    return import_module("pandas").DataFrame({**columns, **{key: [nan] * len(columns[key]) for key in empty}})
 
 
 def by_column(rows: Any) -> dict[str, list[Any]]:

@@ -124,15 +124,14 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
 
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return points within the unit cube, (samples, inputs): scrambled Sobol' sequences or Latin hypercubes."""
+    """Return points within the unit cube, (samples, inputs): scrambled Sobol' sequences."""
     if not uncertainty.inputs():
         return np.empty((uncertainty.samples, 0))
     from scipy.stats import qmc  # slow to import
 
     rng, width = np.random.default_rng(uncertainty.seed), len(uncertainty.inputs())
-    sampler = qmc.Sobol if uncertainty.method == "sobol" else qmc.LatinHypercube
     sizes = (len(part) for part in np.array_split(np.empty(uncertainty.samples), REPLICATES))
-    points = np.concatenate([sampler(width, rng=rng).random(size) for size in sizes])
+    points = np.concatenate([qmc.Sobol(width, rng=rng).random(size) for size in sizes])
     # The quantile at 0 of an unbounded distribution is infinite.
     return np.clip(points, 2.0**-53, 1.0 - 2.0**-53, out=points)
 

@@ -14,13 +14,12 @@ from armour.core.state import Outcome
 from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.mixture import Mixture
-from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, given_error, why_unknown
+from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, why_unknown
 from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, BallisticLimitSection, Optimise
-from armour.scenario.sections import Section
+from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S, Optimise
 from armour.units import MM
 
 Floats = NDArray[np.float64]
@@ -28,8 +27,6 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 # Width, mm, to which a least thickness is bisected.
 THICKNESS_TOLERANCE_MM = 1e-6
-# By how much the time step and tolerance may move a ballistic limit, m/s: a small part of the model error.
-MOST_MOVED_M_S = 1.0
 # Number of rows that are scanned at a time, to bound the memory.
 SCANS_AT_A_TIME = 250
 # Condition on thicknesses, mm, (m,), given with the indices of their rows, (m,): returns whether it holds, (m,).
@@ -69,13 +66,8 @@ class Variants(_Rows):
 
     @property
     def errors(self) -> ErrorRows:
-        """Model errors of the rows; not known where time step and tolerance move the limit too far."""
-        errors = errors_of(self.scenario, self.armours)
-        if given_error(self.scenario) is None:
-            known = np.flatnonzero(errors.known)
-            far = np.abs(moved_m_s(self.at(known))) > MOST_MOVED_M_S
-            errors.ratio.weights[:, known[far]] = np.nan
-        return errors
+        """Model errors of the rows."""
+        return errors_of(self.scenario, self.armours)
 
     @cached_property
     def armours(self) -> Armours:
@@ -154,14 +146,7 @@ class Variants(_Rows):
         """Return why the model error is not known, or not included, for a single row, and what can provide it."""
         if self.scenario.excludes_error():
             return "uncertainty.model excludes the model error"
-        [moved] = moved_m_s(self)
-        if abs(moved) <= MOST_MOVED_M_S or not errors_of(self.scenario, self.armours).known.all():
-            return why_unknown(self.scenario, self.armours)
-        step_us, tolerance = self.scenario.solver.time_step_us, self.scenario.ballistic_limit.tolerance_m_s
-        settings = [] if step_us is None else [f"solver.time_step_us = {step_us}"]
-        settings += [f"ballistic_limit.tolerance_m_s = {tolerance}"] * (tolerance > MOST_MOVED_M_S)
-        moves = f"moves the ballistic limit by {moved:+.3g} m/s, more than {MOST_MOVED_M_S:g} m/s"
-        return f"{' and '.join(settings)} {moves}"
+        return why_unknown(self.scenario, self.armours)
 
     def limit_distributions(self, limits: Floats) -> Mixture:
         """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
@@ -235,14 +220,30 @@ class Variants(_Rows):
         their ranges.
         """
         grid, count = grid_of(self.scenario), len(self.velocities)
-        if layer == "armour":
-            return _least_totals(self, grid)
-        name, thicknesses = {
-            "ceramic": ("ceramic_mm", grid.ceramic_thickness_mm),
-            "back plate": ("backing_mm", grid.backing_thickness_mm),
+        ranges = {"ceramic_mm": grid.ceramic_thickness_mm, "backing_mm": grid.backing_thickness_mm}
+        ceramics, backings = self.ceramics_mm, self.backings_mm
+        total = ceramics + backings
+        shares = {
+            "ceramic": {"ceramic_mm": np.ones(count)},
+            "back plate": {"backing_mm": np.ones(count)},
+            "armour": {"ceramic_mm": ceramics / total, "backing_mm": backings / total},
         }[layer]
-        conditions = _conditions(lambda values, rows: self.at(rows).with_thicknesses(**{name: values}))
-        return least_values_mm(*conditions, np.full(count, thicknesses.min), np.full(count, thicknesses.max))
+        low, high = np.zeros(count), np.full(count, np.inf)
+        for name, share in shares.items():
+            has_layer = share > 0.0
+            low[has_layer] = np.maximum(low[has_layer], ranges[name].min / share[has_layer])
+            high[has_layer] = np.minimum(high[has_layer], ranges[name].max / share[has_layer])
+        where = np.flatnonzero(low <= high)
+
+        def thick(values: Floats, rows: Ints) -> Variants:
+            places = where[rows]
+            return self.at(places).with_thicknesses(**{name: values * share[places] for name, share in shares.items()})
+
+        least = Thinnest(np.full(count, np.nan), np.zeros(count, dtype=bool))
+        least.mm[where], least.changes_again[where] = least_values_mm(
+            lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual(), low[where], high[where]
+        )
+        return least
 
 
 def variants_of(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Variants:
@@ -337,24 +338,6 @@ def ballistic_limits(
     return limits
 
 
-def moved_m_s(variants: Variants) -> Floats:
-    """Return by how much the scenario's time step and tolerance move the ballistic limits, m/s, (n,).
-
-    The limits are compared with those by the default settings.  The difference is taken as 0 if the time step is the
-    default and the tolerance at most `MOST_MOVED_M_S`.
-    """
-    scenario, usual = variants.scenario, BallisticLimitSection().tolerance_m_s
-    if not len(variants.velocities) or (
-        scenario.solver.time_step_us is None and scenario.ballistic_limit.tolerance_m_s <= MOST_MOVED_M_S
-    ):
-        return np.zeros(len(variants.velocities))
-    solver = scenario.solver.model_copy(update={"time_step_us": None})
-    section = scenario.ballistic_limit.model_copy(update={"tolerance_m_s": usual})
-    # Not validated again, which would read library files: what is kept of the armour stays true.
-    default = Section.model_copy(scenario, update={"solver": solver, "ballistic_limit": section})
-    return variants.limits_anywhere() - variants._replace(scenario=default).limits_anywhere()
-
-
 def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
     """Bisect brackets of thicknesses, from `low` to `high`, mm, (m,), of some rows; return their upper ends.
 
@@ -370,35 +353,6 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
         is_met = holds(values, rows[places])
         high[places[is_met]] = values[is_met]
         low[places[~is_met]] = values[~is_met]
-
-
-def _least_totals(variants: Variants, grid: Optimise) -> Thinnest:
-    """Return the least thickness of both layers together, in proportion, that stops each impact within the grid."""
-    ceramics, backings = variants.ceramics_mm, variants.backings_mm
-    totals = ceramics + backings
-    low, high = grid.backing_thickness_mm.min / backings, grid.backing_thickness_mm.max / backings
-    layered = ceramics > 0.0
-    low[layered] = np.maximum(low[layered], grid.ceramic_thickness_mm.min / ceramics[layered])
-    high[layered] = np.minimum(high[layered], grid.ceramic_thickness_mm.max / ceramics[layered])
-    where = np.flatnonzero(low <= high)
-
-    def scaled(values: Floats, rows: Ints) -> Variants:
-        places = where[rows]
-        ceramic_mm, backing_mm = (values * layer[places] / totals[places] for layer in (ceramics, backings))
-        return variants.at(places).with_thicknesses(ceramic_mm=ceramic_mm, backing_mm=backing_mm)
-
-    least = Thinnest(np.full(len(totals), np.nan), np.zeros(len(totals), dtype=bool))
-    ends = low[where] * totals[where], high[where] * totals[where]
-    least.mm[where], least.changes_again[where] = least_values_mm(*_conditions(scaled), *ends)
-    return least
-
-
-def _conditions(thick: Callable[[Floats, Ints], Variants]) -> tuple[RowCondition, RowCondition]:
-    """Return two conditions: that rows with other thicknesses stop the impact, and that they are unusual.
-
-    `thick` returns the variants for thicknesses, mm, and the indices of their rows.
-    """
-    return lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual()
 
 
 def least_values_mm(

@@ -1,17 +1,14 @@
 """Assemble the commands of the program with their help and examples, and turn errors into exit codes."""
 
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from datetime import UTC, datetime
+from contextlib import contextmanager
 from inspect import getdoc
 from itertools import chain
-from shutil import get_terminal_size
 from typing import Any
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperGroup
 
 from armour import MODEL_VERSION, __version__
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES
@@ -22,43 +19,13 @@ from armour.cli.options import flag
 from armour.cli.runner import NO_ANSWER, command_line, propose, with_lines
 from armour.errors import MAX_PROBLEMS, ArmourError, InputError, NoAnswerError, Problem, mistake
 from armour.files import reason, shell_line
-from armour.scenario.keys import describe
 
 WRONG_INPUT, INTERRUPTED = 2, 130
-# Least width of a terminal in which rich does not cut the longest names of options, characters.
-LEAST_WIDTH = 70
 # Heading, in the docstring of a command, of examples, which the tests run.
 EXAMPLES = "\n\nExamples\n--------\n"
 
 
-class _Helpful:
-    """Mixin of commands: its help fits narrow terminals, and shows no type beside switches."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Print the help; ignore the exit by which rich ends when the reader of a pipe has closed it."""
-        with suppress(SystemExit):
-            super().format_help(ctx, formatter)  # type: ignore[misc]
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters, those of switches without a type."""
-        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
-        for param in params:
-            param.metavar = "" if getattr(param, "is_flag", False) else param.metavar
-        return params
-
-
-class Command(_Helpful, TyperCommand):
-    """A command; its help is plain text in a terminal so narrow that rich would cut the names of options."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Print the help."""
-        if get_terminal_size().columns < LEAST_WIDTH:
-            super(TyperCommand, self).format_help(ctx, formatter)
-        else:
-            super().format_help(ctx, formatter)
-
-
-class Reporting(_Helpful, TyperGroup):
+class Reporting(TyperGroup):
     """A group of commands whose errors end in a message and an exit code."""
 
     def make_context(self, info_name: Any, args: list[str], *others: Any, **settings: Any) -> Any:
@@ -67,7 +34,6 @@ class Reporting(_Helpful, TyperGroup):
         It often comes from a shell variable that is not set.  Completion permits it, as a word not yet begun.
         """
         with _reported():
-            _check_time()
             if "" in args and not settings.get("resilient_parsing"):
                 raise mistake("command line", "", "must not contain an empty word, such as a variable that is not set")
             return super().make_context(info_name, args, *others, **settings)
@@ -76,16 +42,6 @@ class Reporting(_Helpful, TyperGroup):
         """Run the command."""
         with _reported():
             return super().invoke(ctx)
-
-
-def _check_time() -> None:
-    """Raise an error if SOURCE_DATE_EPOCH is not a number of seconds, with which matplotlib would fail."""
-    time = os.environ.get("SOURCE_DATE_EPOCH")
-    try:
-        datetime.fromtimestamp(int(time or 0), UTC)
-    except (ValueError, OverflowError, OSError):
-        message = f"must be a number of seconds since 1970, found {describe(time)}"
-        raise mistake("environment", "SOURCE_DATE_EPOCH", message) from None
 
 
 @contextmanager
@@ -101,8 +57,9 @@ def _reported() -> Iterator[None]:
     except ArmourError as error:
         say(str(error))
         raise typer.Exit(NO_ANSWER if isinstance(error, NoAnswerError) else WRONG_INPUT) from None
-    except OSError as error:  # such as a full disk, for what rich prints
-        discard(sys.stdout)
+    except OSError as error:  # such as a full disk
+        if error.filename is None:
+            discard(sys.stdout)
         say(f"{error.filename or 'standard output'}: {reason(error)}")
         raise typer.Exit(WRONG_INPUT) from None
     except KeyboardInterrupt as interrupt:
@@ -142,7 +99,7 @@ OPTIONS = "Options: -v more lines, --json all numbers, --plot FILE a picture, --
 app = typer.Typer(
     cls=Overview,
     invoke_without_command=True,
-    rich_markup_mode="markdown",
+    rich_markup_mode=None,  # as rich would cut the names of options in a narrow terminal
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -164,7 +121,7 @@ def _armour(
         ctx.get_help()  # which prints it
 
 
-plan = typer.Typer(cls=Reporting, no_args_is_help=True)
+plan = typer.Typer(cls=Reporting, no_args_is_help=True, rich_markup_mode=None)
 
 
 @plan.callback()
@@ -174,13 +131,7 @@ def _plan() -> None:
 
 # Commands by their heading in the help.
 COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {
-    "Decide": (
-        init,
-        scenario_commands.check,
-        scenario_commands.optimise,
-        scenario_commands.report,
-        library,
-    ),
+    "Decide": (init, scenario_commands.check, scenario_commands.optimise, scenario_commands.report, library),
     "Use your tests": (experiments.plan_shots, experiments.v50, experiments.calibrate),
     "Study the model": (
         scenario_commands.simulate,
@@ -208,10 +159,10 @@ def told(command: Callable[..., None]) -> tuple[str, list[str]]:
 
 for _command in chain.from_iterable(COMMANDS.values()):
     _help, _examples = told(_command)
-    _parts = ["Examples:", *(f"`{example}`" for example in _examples)]
+    # A line of \b alone keeps the lines below it as they are.
+    _epilog = "\n".join(("\b", "Examples:", *(f"  {example}" for example in _examples)))
     if _command is scenario_commands.sweep:
-        # In the text below, since the column of descriptions is too narrow for the names.
-        _parts[:0] = [f"Quantities: {', '.join(QUANTITIES)}.", f"required_...: {REQUIRED_QUANTITIES}."]
+        _epilog = f"Quantities: {', '.join(QUANTITIES)}.\n\nrequired_...: {REQUIRED_QUANTITIES}.\n\n{_epilog}"
     _group, _name = (plan, "shots") if _command is experiments.plan_shots else (app, named(_command))
-    _group.command(_name, cls=Command, help=_help, epilog="\n\n".join(_parts))(_command)
+    _group.command(_name, help=_help, epilog=_epilog)(_command)
 app.add_typer(plan, name="plan")

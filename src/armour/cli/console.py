@@ -8,6 +8,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import IO, Any
 
+from rich.console import Console
+
+from armour.cli.layout import UNLIMITED, rendered
 from armour.errors import mistake
 from armour.files import finite, reason
 from armour.reporting.table import Table, printable_lines
@@ -18,10 +21,6 @@ _COMMAND = re.compile(r"(?m)^([^\S\n]*):(?=:)|#(?=#(?:\[|vso\[))")
 
 def show(*items: Table | str, stderr: bool = False) -> None:
     """Print tables and lines, fitted to the width of a terminal; a pipe that its reader has closed is no error."""
-    from rich.console import Console
-
-    from armour.cli.layout import UNLIMITED, rendered
-
     console = Console(stderr=stderr)
     room = console.width if console.is_terminal else UNLIMITED
     _write(rendered(items, room, console.color_system), sys.stderr if stderr else sys.stdout)
@@ -72,11 +71,11 @@ def progress(unit: str, total: int | None = None) -> Iterator[Callable[..., None
     if not sys.stderr.isatty():
         yield lambda *_count, **_stored: None
         return
-    from rich import console, progress
+    from rich import progress as bars
 
-    rate = progress.TextColumn("{task.fields[rate]}")
-    columns = (progress.BarColumn(), progress.MofNCompleteColumn(), rate, progress.TimeRemainingColumn())
-    with progress.Progress(*columns, console=console.Console(stderr=True), transient=True) as bar:
+    rate = bars.TextColumn("{task.fields[rate]}")
+    columns = (bars.BarColumn(), bars.MofNCompleteColumn(), rate, bars.TimeRemainingColumn())
+    with bars.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(unit, total=total, rate="")
 
         def advance(count: int, total: int | None = None, stored: bool = False) -> None:

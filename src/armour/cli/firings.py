@@ -1,9 +1,9 @@
 """Answer questions on tables of shots: for each value of a column, for the next shot, and after adding a shot."""
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Sequence
 from os.path import exists
 from pathlib import Path
+from typing import NamedTuple
 
 import armour
 from armour.analysis.results import EachResult, Result
@@ -13,36 +13,38 @@ from armour.columns import perforates
 from armour.csv_files import MUST_SAY, open_table
 from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
-from armour.planning.shot_file import content_of, locked, with_shot, without_last
+from armour.planning.shot_file import content_of, with_shot, without_last
 from armour.scenario.keys import describe
-from armour.statistics.v50 import Shots, firings_of, is_of_shots, lots_of, shots_of
+from armour.statistics.v50 import Shots, is_of_shots, lots_of, shots_of
 
 # Relative difference between measured and planned velocity above which there is a warning.
 FAR_FROM_PLAN = 0.1
 
 
-def each_result(
-    answer: Callable[[Shots], Result],
-    table: Path,
-    column: str,
-    where: Mapping[str, str],
-    sheet: str | None,
-    ignore: Sequence[str],
-) -> EachResult:
+class Choice(NamedTuple):
+    """Which rows of a table are read: values by column, columns to ignore, and the sheet of a workbook."""
+
+    where: dict[str, str] = {}
+    ignore: Sequence[str] = ()
+    sheet: str | None = None
+
+    def read(self, table: Path, *, one_kind: bool = True) -> Shots:
+        """Read shots, and say how if that was not obvious."""
+        return say_how_read(table, armour.read_shots(table, one_kind=one_kind, **self._asdict()))
+
+
+def each_result(answer: Callable[[Shots], Result], table: Path, column: str, choice: Choice) -> EachResult:
     """Call `answer` with the shots for each value of a column; name each result by column and value, as "panel A".
 
-    `where` has the values of other columns that rows must have, and `sheet` is that of a workbook.  Shots that have no
-    answer do not stop the others.
+    Shots that have no answer do not stop the others.
     """
     results, unanswered = {}, {}
-    for name, value in lots_of(table, column, where, sheet, ignore):
-        chosen = {**where, name: value}
+    for name, value in lots_of(table, column, choice.where, choice.sheet, choice.ignore):
         try:
-            fired = armour.read_shots(table, one_kind=True, where=chosen, sheet=sheet, ignore=ignore)
+            fired = choice._replace(where={**choice.where, name: value}).read(table)
         except InputError as error:
             problems = [problem._replace(key=f"{name} {value}: {problem.key}") for problem in error.problems]
             raise InputError(problems) from None  # options that suit this lot need not suit the others
-        say_how_read(table, fired)
         try:
             results[f"{name} {value}"] = answer(fired)
         except NoAnswerError as error:
@@ -54,66 +56,37 @@ def each_result(
     return EachResult(results, unanswered)
 
 
-def earlier_firings(tables: Sequence[Path], ignore: Sequence[str]) -> list[Shots]:
-    """Read earlier firings: each table is one, or several if it has shots at several targets."""
-    try:
-        return [
-            say_how_read(table, armour.read_shots(table, where=chosen, ignore=ignore))
-            for table in tables
-            for chosen in [{name: value} for name, value in firings_of(table, ignore)] or [{}]
-        ]
-    except InputError as error:
-        raise InputError(error.problems) from None  # --where is of another table
-
-
 def next_plan(
-    plan: Callable[..., ShotPlan],
-    table: Path | None,
-    where: Mapping[str, str],
-    sheet: str | None,
-    ignore: Sequence[str],
-    each: str | None,
+    plan: Callable[..., ShotPlan], table: Path | None, each: str | None, choice: Choice
 ) -> EachResult | ShotPlan:
     """Return what `plan` returns for the shots of a table or, with `each`, for each value of this column.
 
     Without a table, and before the first shot has been written into it, `plan` is called with None.
     """
-    if table is None:
-        return plan(None)
-    is_new = table.suffix == ".csv" and not exists(table)
+    is_new = table is not None and table.suffix == ".csv" and not exists(table)
     if is_new:
         say(f"note: {table}: no such file, so no shot has been fired; --result makes the file")
-    if each is not None:
-        return each_result(plan, table, each, where, sheet, ignore)
-    if is_new:
-        return plan(None)
-    fired = armour.read_shots(table, one_kind=True, where=where, sheet=sheet, ignore=ignore)
-    return plan(say_how_read(table, fired))
+    if table is not None and each is not None:
+        return each_result(plan, table, each, choice)
+    return plan(None if table is None or is_new else choice.read(table))
 
 
 def plan_after(
-    plan: Callable[..., ShotPlan],
-    stack: ExitStack,
-    table: Path,
-    result: str,
-    velocity_m_s: float | None,
-    where: Mapping[str, str],
-    ignore: Sequence[str],
-    target: str,
+    plan: Callable[..., ShotPlan], table: Path, shot: tuple[str, float | None, str], choice: Choice
 ) -> tuple[ShotPlan, list[Note], Files]:
-    """Plan the next shot after adding one, with its result, to a table; ``velocity_m_s`` defaults to the planned one.
+    """Plan the next shot after adding one to a table.
 
-    Return the plan, its notes and those on the added shot, and the table as a file to write, which names the ``target``
-    if it is new.  The table stays locked until ``stack`` is closed.
+    ``shot`` has its result, its velocity, m/s, by default the planned one, and its target, which a new table names.
+    Return the plan, its notes and those on the added shot, and the table as a file to write.
     """
+    result, velocity_m_s, target = shot
     if perforates(result) is None:
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
-    stack.enter_context(locked(table))
     earlier_content = content_of(table)
     fired = Shots((), (), str(table))
     if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=where, ignore=ignore)
+        fired = armour.read_shots(table, one_kind=True, where=choice.where, ignore=choice.ignore)
     before = plan(fired)
     planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
     velocity = planned if velocity_m_s is None else velocity_m_s
@@ -125,23 +98,20 @@ def plan_after(
     if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
         words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
         notes.append(Note(words))
-    content = with_shot(table, velocity, result, where, target)
+    content = with_shot(table, velocity, result, choice.where, target)
     source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=choice.where, ignore=choice.ignore)))
     if velocity_m_s is None:
         say(f"note: {table}: records the planned {velocity:g} m/s")
     return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
 
 
-def plan_without_last(
-    plan: Callable[..., ShotPlan], stack: ExitStack, table: Path, where: Mapping[str, str], ignore: Sequence[str]
-) -> tuple[ShotPlan, list[Note], Files]:
+def plan_without_last(plan: Callable[..., ShotPlan], table: Path, choice: Choice) -> tuple[ShotPlan, list[Note], Files]:
     """Plan the next shot after taking the last one back from a table; see `plan_after`."""
-    stack.enter_context(locked(table))
     earlier_content = content_of(table)
-    content, taken = without_last(table, where, ignore)
+    content, taken = without_last(table, choice.where, choice.ignore)
     source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=where, ignore=ignore)))
+    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=choice.where, ignore=choice.ignore)))
     say(f"note: {table}: without {taken}")
     return after, [*after.notes], {table: _replacing(table, earlier_content, content)}
 

@@ -6,42 +6,29 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from armour.cli.console import say
-from armour.cli.options import flag
 from armour.errors import InputError, Problem, counted, mistake, refuse
 from armour.files import read_toml, reason
 
-# More files are read only with --yes, in case the folder is a whole disk.
-MOST_FILES = 1000
-YES = flag(f"Read folders even if they have more than {MOST_FILES:,} .toml files.", "--yes")
 # A TOML file is a scenario if it has one of these sections.
 OF_SCENARIO = ("impact", "threat", "armour")
 
 
-def scenario_paths(sources: Sequence[Path], *, yes: bool) -> list[Path]:
+def scenario_paths(sources: Sequence[Path]) -> list[Path]:
     """Replace each folder among paths and names of scenarios by the scenarios in it and in the folders below.
 
-    Without ``yes``, more than MOST_FILES files in folders are refused.  A note counts the files that are skipped.
+    A note counts the files that are skipped.
     """
-    skipped = Counter[tuple[str, str]]()
-    files = {source: _toml_files(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
-    number = sum(map(len, files.values()))
-    if number > MOST_FILES and not yes:
-        raise mistake("command line", "", f"{number:,} .toml files in folders; --yes to go on")
-    scenarios = {source: [path for path in paths if _is_scenario(path)] for source, paths in files.items()}
-    skipped["file", " without [impact], [[threat]] or [armour]"] = number - sum(map(len, scenarios.values()))
-    parts = [counted(count, noun) + rest for (noun, rest), count in sorted(skipped.items()) if count]
-    if parts:
-        say(f"note: skipped {', '.join(parts)}")
+    skipped = Counter[str]()
+    scenarios = {source: _scenarios(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
+    if skipped:
+        say(f"note: skipped {', '.join(counted(count, noun) for noun, count in sorted(skipped.items()))}")
     message = "must be a folder of scenarios, found none in it"
     refuse(Problem(str(source), "", message) for source, paths in scenarios.items() if not paths)
     return list(dict.fromkeys(path for source in sources for path in scenarios.get(source, [source])))
 
 
-def _toml_files(top: Path, skipped: Counter[tuple[str, str]]) -> list[Path]:
-    """Return the TOML files in a folder and in the folders below, sorted, and count in `skipped` what is passed over.
-
-    Hidden files and folders, links and virtual environments are skipped.
-    """
+def _scenarios(top: Path, skipped: Counter[str]) -> list[Path]:
+    """Return the scenarios in a folder and in the folders below, sorted, and count in `skipped` what is passed over."""
 
     def fail(error: OSError) -> None:
         raise mistake(error.filename, "", f"cannot be read: {reason(error)}")
@@ -50,7 +37,7 @@ def _toml_files(top: Path, skipped: Counter[tuple[str, str]]) -> list[Path]:
     for folder, folders, files in os.walk(top, onerror=fail):
         names = [*folders, *(name for name in files if name.lower().endswith(".toml"))]
         nouns = {name: _foreign(Path(folder, name)) for name in names}
-        skipped.update((noun, "") for noun in nouns.values() if noun)
+        skipped.update(filter(None, nouns.values()))
         folders[:] = [name for name in folders if not nouns[name]]
         paths += [Path(folder, name) for name in files if nouns.get(name) == ""]
     return sorted(paths)
@@ -64,12 +51,9 @@ def _foreign(path: Path) -> str:
         return "link"
     if path.is_dir():
         return "virtual environment" if (path / "pyvenv.cfg").exists() else ""
-    return "" if path.is_file() else "pipe or socket"
-
-
-def _is_scenario(path: Path) -> bool:
-    """Return whether to read a file as a scenario; also if it is not valid TOML, so that its mistakes are reported."""
+    if not path.is_file():
+        return "pipe or socket"
     try:
-        return not read_toml(path).keys().isdisjoint(OF_SCENARIO)
+        return "other .toml file" if read_toml(path).keys().isdisjoint(OF_SCENARIO) else ""
     except InputError:
-        return True
+        return ""  # the reader of scenarios tells its mistakes

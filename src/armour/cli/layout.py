@@ -144,11 +144,7 @@ def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = COLUMN_GAP)
 
 
 def _grid(
-    rows: Iterable[Sequence[str]],
-    widths: Sequence[int],
-    right: Sequence[bool],
-    gap: int = COLUMN_GAP,
-    headings: Sequence[str] = (),
+    rows: Iterable[Sequence[str]], widths: Sequence[int], right: Sequence[bool], gap: int, headings: Sequence[str] = ()
 ) -> Grid:
     """Lay out rows in columns of given widths, under headings if there are any.
 
@@ -178,4 +174,4 @@ def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> Iterator
         widths = _shared(limits, room) or [least for least, _ in limits]
         if index:
             yield ""
-        yield _grid(zip(labels, values, strict=True), widths, (False, False))
+        yield _grid(zip(labels, values, strict=True), widths, (False, False), COLUMN_GAP)

@@ -8,37 +8,30 @@ from typing import Any
 import typer
 
 import armour
-from armour import __version__
-from armour.cli import completion
+from armour import __version__, files
+from armour.cli import completion, options
 from armour.cli.console import progress, show, show_json
-from armour.cli.folders import YES, scenario_paths
-from armour.cli.options import AS_JSON, FORCE, argument, flag, option
-from armour.cli.runner import check_outputs, propose, show_answer, source_word, write, wrong_option
-from armour.errors import InputError, Problem, refuse
-from armour.files import (
-    located,
-    shell_line,
-    shipped_files,
-    shipped_notebooks,
-    shipped_suites,
-    shipped_tests,
-    wrong_ending,
-)
+from armour.cli.folders import scenario_paths
+from armour.cli.runner import check_outputs, propose, read_each, show_answer, source_word, write
+from armour.errors import restated
+from armour.files import shell_line
 from armour.reporting.table import Table, VerdictLine
+from armour.reporting.views import library as views
+from armour.scenario.library import search_library
+from armour.scenario.scenario import scenario_schema
 
 # First line of a scenario, by which editors find the schema to check it; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 
 
 def library(
-    words: list[str] | None = argument(
+    words: list[str] | None = options.argument(
         "WORDS",
-        "A name, or words that the name or the description contains; a kind, such as metals, picks this kind.",
-        autocompletion=completion.entries,
-        default=None,
+        "A name, or words of names and descriptions, or a kind, such as metals.",
+        None,
+        words=completion.entries,
     ),
-    tested: bool = flag("List only entries for which tests provide a model error, with what was tested.", "--tested"),
-    as_json: bool = AS_JSON,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """List or search rounds, materials and threats.
 
@@ -50,53 +43,33 @@ def library(
     --------
     armour library
     armour library SiC
-    armour library metals --tested
+    armour library metals
     armour library 7.62 steel
     """
-    from armour.reporting.views import library as views
-    from armour.scenario.library import search_library
-
     found = search_library(words or ())
-    partners = None
-    if tested:
-        from armour.validation.tested import tested_with
-
-        partners = tested_with()
-        found = [each for each in found if _in_tests(*each) in partners]
-        if not found:
-            raise wrong_option("--tested", "must not be given: no tests of these provide a model error")
     items: dict[str, dict[str, Any]] = {kind: {} for kind, _, _ in found}
     data: dict[str, dict[str, Any]] = {kind: {} for kind in items}
     for kind, name, item in found:
         items[kind][name] = item
         data[kind][name] = item.model_dump() if kind == "threat" else item.to_dict()
-        if partners is not None:
-            data[kind][name]["tested_with"] = partners[_in_tests(kind, name, item)]
-    tables: list[Table | str] = [*views.tables_by_kind(items, partners)]
-    if len(found) == 1 and not tested:
+    tables: list[Table | str] = [*views.tables_by_kind(items)]
+    if len(found) == 1:
         [(kind, name, item)] = found
         tables = [*tables, f"source: {item.source}"] if kind == "threat" else views.entry_tables(item)
         tables.insert(0, VerdictLine(f"{name} ({kind})"))
     show_answer(data, tables, as_json=as_json)
 
 
-def _in_tests(kind: Any, name: str, item: Any) -> tuple[Any, str]:
-    """Return kind and name of what tests of an entry name: the entry itself, or the projectile of a threat."""
-    return ("projectile", item.projectile) if kind == "threat" else (kind, name)
-
-
 def init(
     file: Path = typer.Argument(Path("scenario.toml"), metavar="FILE", help="File to write to."),
-    sources: list[str] | None = option(
-        "Copy the shipped scenario, suite, table of tests or notebook of this name. For a file or a folder of "
-        "scenarios, or if repeated, write a suite that watches these scenarios.",
+    sources: list[str] | None = options.text(
+        "Copy the shipped file of this name; for files or folders of scenarios, write a suite that watches them.",
         "--from",
         metavar="NAME",
-        autocompletion=completion.shipped_names,
+        words=completion.shipped_names,
     ),
-    names: bool = flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
-    yes: bool = YES,
-    force: bool = FORCE,
+    names: bool = options.flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
+    force: bool = options.FORCE,
 ) -> None:
     """Write a scenario, suite, table or notebook to start from.
 
@@ -107,20 +80,23 @@ def init(
     armour init suite.toml --from wilkins --from catalogue
     """
     if names:
-        from armour.reporting.views.library import shipped_tables
-
-        show(*shipped_tables())
+        show(*views.shipped_tables())
         return
-    suites = shipped_suites()
-    shipped = {**shipped_files("scenarios", ".toml"), **suites, **shipped_tests(), **shipped_notebooks()}
+    suites = files.shipped_suites()
+    shipped = {
+        **files.shipped_files("scenarios", ".toml"),
+        **suites,
+        **files.shipped_tests(),
+        **files.shipped_notebooks(),
+    }
     source, *others = sources or ["template"]
     if others or source not in shipped:
-        _init_suite(file, [source, *others], shipped, yes=yes, force=force)
+        _init_suite(file, [source, *others], shipped, force=force)
         return
     ending = shipped[source].suffix
-    check_outputs(file, force=force)
     hint = f"; to copy the shipped one: --from {file}" * (str(file) in shipped)
-    refuse(problem._replace(message=problem.message + hint) for problem in wrong_ending(file, (ending,)))
+    with restated(lambda problem: problem._replace(message=problem.message + hint)):
+        check_outputs((file, (ending,)), force=force)
     is_scenario = ending == ".toml" and source not in suites
     write({file: lambda _: SCHEMA_LINE * is_scenario + shipped[source].read_bytes()})
     if ending == ".toml":
@@ -130,24 +106,21 @@ def init(
         propose(shell_line(["jupyter", "lab", source_word(file)]))
 
 
-def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path], *, yes: bool, force: bool) -> None:
+def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path], *, force: bool) -> None:
     """Write a suite that watches scenarios; files among them are relative to its folder, and others are `shipped`."""
     from armour.validation.new_suite import new_suite
 
-    refuse(wrong_ending(file, (".toml",)))
-    scenarios: dict[str, armour.Scenario] = {}
-    problems: list[Problem] = []
-    for path in scenario_paths([*map(Path, sources)], yes=yes):
-        try:
-            located(path, shipped)  # refuses what is missing, and names what is like it
-            name = Path(relpath(path, file.parent)) if path.exists() else path
-            scenarios[name.as_posix()] = armour.load_scenario(path)
-        except InputError as error:
-            problems += error.problems
-    refuse(dict.fromkeys(problems))
-    check_outputs(file, scenarios=scenarios.values(), force=force)
-    with progress("scenarios", len(scenarios)) as count:
-        text = new_suite(scenarios, count)
+    def read(path: Path) -> armour.Scenario:
+        files.located(path, shipped)  # refuses what is missing, and names what is like it
+        return armour.load_scenario(path)
+
+    paths = scenario_paths([*map(Path, sources)])
+    scenarios = read_each(paths, read)
+    check_outputs((file, (".toml",)), inputs=scenarios, force=force)
+    names = [relpath(path, file.parent) if path.exists() else path for path in paths]
+    named = {Path(name).as_posix(): scenario for name, scenario in zip(names, scenarios, strict=True)}
+    with progress("scenarios", len(named)) as count:
+        text = new_suite(named, count)
     write({file: lambda _: text})
     propose(shell_line(["armour", "validate", source_word(file), "--update"]))
 
@@ -161,6 +134,4 @@ def schema() -> None:
     --------
     armour schema
     """
-    from armour.scenario.scenario import scenario_schema
-
     show_json({**scenario_schema(), "$comment": f"made by armour {__version__}"})

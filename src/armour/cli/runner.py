@@ -12,13 +12,17 @@ from typing import Any, TypeVar
 
 import armour
 from armour.analysis.quantities import Answer
+from armour.analysis.results import made_by
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Note, Problem, in_one_line, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
+from armour.reporting.by_result import by_result, tables_of
 from armour.reporting.junit import TestCase, is_junit_of_armour, junit_suite, junit_xml
+from armour.reporting.report import Report
 from armour.reporting.table import Table
-from armour.scenario.inputs import VELOCITY
+from armour.scenario.effect import check_effect
 from armour.scenario.keys import changes_of, is_read, line_of, lines_of, upwards, values_by_key
+from armour.scenario.scenario import Scenario, files_of, parse_changed, scenario_file
 
 Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
 # Computations that take longer than this, s, are announced.
@@ -26,7 +30,8 @@ ANNOUNCED_S = 10.0
 # Exit codes: a question without an answer, and a check that failed.
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
-PLOT_ENDINGS = (".png", ".svg", ".pdf")
+# Endings that files may have.
+CSV, PICTURE = (".csv",), (".png", ".svg", ".pdf")
 # By path of a file to write, a function that returns its content, or None to write nothing.  The path None stands for a
 # file that is not asked for.
 Files = Mapping[Path | None, Callable[[Path], str | bytes | None]]
@@ -48,44 +53,33 @@ def check_options(*mistakes: tuple[str, object, str]) -> None:
 
 
 def check_outputs(
-    *outputs: Path | None,
-    inputs: Iterable[str | Path | None] = (),
-    tables: Sequence[Path | None] = (),
+    *outputs: tuple[Path | None, Sequence[str]],
+    inputs: Iterable[Scenario | str | Path | None] = (),
     junit: Path | None = None,
-    plot: Path | None = None,
     updated: Path | None = None,
-    scenarios: Iterable["armour.Scenario | None"] = (),
     force: bool = False,
 ) -> None:
-    """Check that all outputs can be written and differ from each other and from inputs; raise an error otherwise.
+    """Check that all outputs can be written and differ from inputs; raise an error otherwise.
 
-    Only with ``force`` may an output replace a file, except that ``junit`` may replace JUnit XML written by this
-    program.  The files of the ``scenarios`` are inputs too.  ``tables`` are CSV outputs.  ``updated`` is both an input
-    and an output.
+    Each of ``outputs`` has the endings that it may have, () for any.  Only with ``force`` may an output replace a file,
+    except that ``junit`` may replace JUnit XML written by this program.  ``updated`` is both an input and an output.
     """
-    new = [path for path in (*outputs, *tables, junit, plot) if path is not None]
+    new = [path for path in (*(path for path, _ in outputs), junit) if path is not None]
     refuse(Problem("-", "", "must be the name of a file to write") for path in new if str(path) == "-")
-    problems = [] if plot is None else wrong_ending(plot, PLOT_ENDINGS)
-    for table in tables:
-        # Streams and pipes have no ending.
-        if table is not None and (isfile(table) or not exists(table)):
-            problems += wrong_ending(table, (".csv",))
+    problems: list[Problem] = []
+    for output, endings in outputs:
+        # A stream or a pipe, to which a table may be written, has no ending.
+        if output is not None and endings and (endings != CSV or isfile(output) or not exists(output)):
+            problems += wrong_ending(output, endings)
     paths = new if updated is None else [*new, updated]
     problems += (problem for path in paths for problem in unwritable(path))
-    sources = [0 if str(source) == "-" else source for source in inputs if source]  # the descriptor of standard input
-    if loaded := [*filter(None, scenarios)]:
-        from armour.scenario.scenario import files_of
-
-        sources += [file for scenario in loaded for file in files_of(scenario)]
+    read = [file for each in inputs if each for file in (files_of(each) if isinstance(each, Scenario) else [each])]
+    sources = [0 if str(file) in ("-", STANDARD_INPUT) else file for file in read]  # its descriptor
     for path in filter(isfile, new):
         if any(exists(source) and os.path.samefile(path, source) for source in sources):
             problems.append(Problem(str(path), "", "must not be the file that is read; choose another name"))
         elif not (force or (path == junit and is_junit_of_armour(path))):
             problems.append(Problem(str(path), "", "exists already; choose another name, or --force"))
-    if not problems:
-        resolved = [path.resolve() for path in paths]
-        twice = dict.fromkeys(str(path) for path in resolved if resolved.count(path) > 1)
-        problems += (Problem(path, "", "must not be written twice; choose another name") for path in twice)
     refuse(problems)
 
 
@@ -126,54 +120,51 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
 
 
 def read_scenario(
-    path: Path,
-    assignments: Sequence[str] | None,
-    asked: Answer,
-    settings: Mapping[str, tuple[str, float | None]] = {},
-    probability: Any = None,
-    *,
-    by_model: bool = False,
-) -> "armour.Scenario":
+    path: Path, assignments: Iterable[str] | None, asked: Answer, probability: Any = None, *, by_model: bool = False
+) -> Scenario:
     """Read a scenario from a file, from a shipped scenario by its name or, for "-", from standard input.
 
     ``assignments`` are those of ``--set``; they must set keys that the answer ``asked`` for reads, or keys below these.
-    ``settings`` has, for other options, the key that each sets and its value, None if it is not given.  Errors in a
-    value that an option sets name the option.  The scenario requires at least the ``probability`` of stopping each
-    threat, if one is given; ``by_model`` excludes the model error, and then none may be required.
+    The scenario requires at least the ``probability`` of stopping each threat, if one is given; ``by_model`` excludes
+    the model error, and then none may be required.
     """
-    from armour.scenario import effect, scenario
-
     changes = changes_of(assignments or ())
-    options = {key: f"--set {key}" for key in changes}
-    for option, (key, value) in settings.items():
-        if value is not None:
-            if key in changes and changes[key] != value:
-                raise wrong_option(option, f"must not be given with {options[key]}")
-            changes[key], options[key] = value, option
     if str(path) == "-":
         file, folder, text = STANDARD_INPUT, Path(), decoded(sys.stdin.buffer, STANDARD_INPUT)
     else:
-        real_path = scenario.scenario_file(path)
+        real_path = scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
-    with restated(lambda problem: _blamed(problem, options) if problem.file == file else problem):
-        loaded = scenario.parse_changed(data, changes, file=file, folder=folder)
-    computed, reads = asked
-    if VELOCITY in changes and "ballistic_limit" in reads and "impact" not in reads:
-        # The same command line is often used for simulate first.
-        say(f"note: --set {VELOCITY}: has no effect: {computed} does not depend on it")
-        reads = (*reads, VELOCITY)
-    effect.check_effect(values_by_key(changes), [(loaded, reads)], "command line", computed, "--set ")
+    with restated(lambda problem: _blamed(problem, changes) if problem.file == file else problem):
+        loaded = parse_changed(data, changes, file=file, folder=folder)
+    check_effect(values_by_key(changes), [(loaded, asked.reads)], "command line", asked.computed, "--set ")
     with as_options("requiring"):
         required = loaded.requiring(probability)
     if not by_model:
         return required
     if any(required.required_probabilities()):
         raise wrong_option(
-            "--by-model",
-            "must be given without a required probability, as the model has none; leave it out",
+            "--by-model", "must be given without a required probability, as the model has none; leave it out"
         )
     return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
+
+
+def read_each(paths: Iterable[Path], read: Callable[[Path], Scenario]) -> list[Scenario]:
+    """Read several scenarios, and raise one error with the mistakes in all of them."""
+    scenarios: list[Scenario] = []
+    problems: list[Problem] = []
+    for path in paths:
+        try:
+            scenarios.append(read(path))
+        except InputError as error:
+            problems += error.problems
+    refuse(dict.fromkeys(problems))
+    return scenarios
+
+
+def with_change(changes: Iterable[str] | None, key: str, value: str | None) -> list[str]:
+    """Return the changes of ``--set`` with one more, by the option of a command that sets a key, if it is given."""
+    return [*(changes or ()), *([] if value is None else [f"{key}={value}"])]
 
 
 def say_how_read(table: object, content: Content) -> Content:
@@ -193,27 +184,16 @@ def source_word(file: str | Path) -> str:
     return f"./{file}" if str(file).startswith("-") and str(file) != "-" else str(file)
 
 
-def set_options(changes: Iterable[str]) -> list[str]:
-    """Return changes as words of a command line, each after ``--set``."""
-    return [word for change in changes for word in ("--set", change)]
-
-
-def _blamed(problem: Problem, options: Mapping[str, str]) -> Problem:
-    """Restate a problem under the option that caused it; return it unchanged if no option did.
-
-    An option caused it if it sets the key of the problem, a table around this key, or a value within it.
-    ``options`` maps each key to the option that sets it.
-    """
-    for key, option in sorted(options.items(), reverse=True):
-        if key in upwards(problem.key) or problem.key in upwards(key):
-            where = f"--set {problem.key}" if option.startswith("--set") else option
-            return Problem("command line", where, problem.message)
+def _blamed(problem: Problem, changed: Iterable[str]) -> Problem:
+    """Restate a problem under ``--set`` if this changed its key, a table around the key, or a value within it."""
+    if any(key in upwards(problem.key) or problem.key in upwards(key) for key in changed):
+        return Problem("command line", f"--set {problem.key}", problem.message)
     return problem
 
 
 def answer(
     result: Any,
-    scenario: "armour.Scenario | None",
+    scenario: Scenario | None,
     files: Files | None = None,
     notes: Iterable[Note] | None = None,
     *,
@@ -227,26 +207,20 @@ def answer(
 
     The warnings are the notes of the result, unless ``notes`` are given; ``file`` is the file that they name.
     """
-    from armour.reporting.by_result import by_result, tables_of
-
     result.of(every_row=verbose)
     tables = () if as_json else by_result(tables_of, result)(result)
     data = {**result.to_dict(), **extra_data} if as_json else {}
-    show_answer(data, tables, as_json=as_json, scenario=scenario)
+    show_answer(data, tables, scenario, as_json=as_json)
     shown = warnings_of(scenario, result.notes if notes is None else notes, file, verbose=verbose)
     write({**(files or {}), plot: picture(lambda: armour.plot(result), scenario)}, shown)
 
 
 def show_answer(
-    data: Mapping[str, Any] | Sequence[Mapping[str, Any]],
-    tables: Iterable[Table | str],
-    *,
-    as_json: bool,
-    scenario: "armour.Scenario | None" = None,
+    data: Mapping[str, Any], tables: Iterable[Table | str], scenario: Scenario | None = None, *, as_json: bool
 ) -> None:
     """Show an answer as tables or, as JSON, with the command and versions that made it."""
     if as_json:
-        show_json({**data, "made_by": origin_of(scenario)} if isinstance(data, Mapping) else data)
+        show_json({**data, "made_by": origin_of(scenario)})
     elif shown := [*tables]:
         show(*shown)
 
@@ -265,7 +239,7 @@ def write(files: Files, warnings: Iterable[str] = ()) -> None:
         say(*warnings)
 
 
-def picture(draw: Callable[[], Any], scenario: "armour.Scenario | None") -> Callable[[Path], bytes]:
+def picture(draw: Callable[[], Any], scenario: Scenario | None) -> Callable[[Path], bytes]:
     """Return a function that makes the content of a picture's file, with a record of what made it."""
     return lambda path: drawing().saved(draw(), path.suffix.lower(), json.dumps(origin_of(scenario)))
 
@@ -298,10 +272,17 @@ def drawing() -> Any:
     return drawing
 
 
-def origin_of(scenario: "armour.Scenario | None" = None) -> dict[str, str]:
-    """Return what outputs record about their origin: the command line, the versions, and the scenario."""
-    from armour.analysis.results import made_by
+def page(report: Report, path: Path) -> str:
+    """Return a report as the text of a file, HTML or Markdown, by its ending."""
+    from armour.reporting.formats import report_text
 
+    if path.suffix.lower() == ".html":
+        drawing()
+    return report_text(report, path)
+
+
+def origin_of(scenario: Scenario | None = None) -> dict[str, str]:
+    """Return what outputs record about their origin: the command line, the versions, and the scenario."""
     return made_by(scenario, command_line())
 
 
@@ -311,17 +292,12 @@ def command_line() -> str:
 
 
 def _without_folders(word: str) -> str:
-    """Return a word of a command line; make an absolute path relative, or reduce it to its name, to hide folders."""
+    """Return a word of a command line; reduce an absolute path to its name, as its folders are nobody's business."""
     option, equals, text = word.rpartition("=")
-    path = Path(text)
-    if not path.is_absolute():
-        return word
-    return option + equals + (str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name)
+    return option + equals + Path(text).name if Path(text).is_absolute() else word
 
 
-def warnings_of(
-    scenario: "armour.Scenario | None", warnings: Iterable[Note], file: str = "", *, verbose: bool
-) -> list[str]:
+def warnings_of(scenario: Scenario | None, warnings: Iterable[Note], file: str = "", *, verbose: bool) -> list[str]:
     """Return the notes on a scenario, and the warnings, as lines for standard error.
 
     ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, only the first warning

@@ -10,50 +10,32 @@ import typer
 
 import armour
 from armour.analysis.quantities import ANSWERS, QUANTITIES, VERDICT, WORDS, Answer, reads_of, with_round
-from armour.cli import completion, runner
+from armour.cli import completion, options, runner
 from armour.cli.console import emit, progress, say, show, show_json
-from armour.cli.folders import YES, scenario_paths
-from armour.cli.options import (
-    AS_JSON,
-    BY_MODEL,
-    CHANGES,
-    CONFIDENCE,
-    FORCE,
-    KEEP,
-    PLOT,
-    REQUIRED_PROBABILITY,
-    SCENARIO,
-    SHEET,
-    VERBOSE,
-    argument,
-    either,
-    file_option,
-    flag,
-    number_option,
-    option,
-)
-from armour.cli.runner import Files, answer, check_outputs, picture, read_scenario, warnings_of, write
-from armour.errors import InputError, Problem, counted, duration, refuse
-from armour.files import read_json, read_toml, shell_line, shipped_suites, wrong_ending
+from armour.cli.folders import scenario_paths
+from armour.cli.runner import CSV, PICTURE, Files, answer, check_outputs, read_scenario
+from armour.design.against import Moved, moved
+from armour.errors import counted, duration
+from armour.files import read_json, read_toml, shell_line, shipped_suites
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
 from armour.scenario.inputs import VELOCITY
-from armour.scenario.keys import changes_of, describe
+from armour.scenario.keys import changes_of
+from armour.scenario.scenario import scenario_file
 
 ONE_SCENARIO = "must be given with one scenario, not with several or a folder"
-# Longest command that fits on a line of 80 columns after "next: "; name of a file for the best design.
-LONGEST_NEXT, BEST = 74, "best.toml"
+BEST = "best.toml"
 
 
 def simulate(
-    scenario: Path = SCENARIO,
-    history: Path | None = file_option("Write the state over time as CSV."),
-    plot: Path | None = PLOT,
-    velocity: Any = number_option("Impact velocity, m/s; by default the scenario's."),
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    scenario: Path = options.SCENARIO,
+    history: Path | None = options.file("Write the state over time as CSV."),
+    plot: Path | None = options.PLOT,
+    velocity: str | None = options.text("Impact velocity, m/s; by default the scenario's.", metavar="NUMBER"),
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Simulate one impact, stage by stage.
 
@@ -63,11 +45,10 @@ def simulate(
     armour simulate wilkins --velocity 700 --history run.csv --plot run.svg
     """
     from armour.evidence.tests import scenario_warnings
-    from armour.reporting.views.analysis import history_csv
 
-    settings = {"--velocity": (VELOCITY, velocity)}
-    loaded = read_scenario(scenario, changes, ANSWERS["simulate"], settings)
-    check_outputs(tables=[history], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
+    changes = runner.with_change(changes, VELOCITY, velocity)
+    loaded = read_scenario(scenario, changes, ANSWERS["simulate"])
+    check_outputs((history, CSV), (plot, PICTURE), inputs=[loaded], force=force)
     with progress("impacts") as count:
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
@@ -77,17 +58,17 @@ def simulate(
     notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
     extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
-    files: Files = {history: lambda _: history_csv(result)}
+    files: Files = {history: lambda _: rows_csv(result.history or ())}
     answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
 
 
 def ballistic_limit(
-    scenario: Path = SCENARIO,
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    scenario: Path = options.SCENARIO,
+    plot: Path | None = options.PLOT,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Find the ballistic limit by the model.
 
@@ -97,19 +78,17 @@ def ballistic_limit(
     armour ballistic-limit wilkins --set armour.ceramic_thickness_mm=8 --json
     """
     loaded = read_scenario(scenario, changes, ANSWERS["ballistic_limit"])
-    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
+    check_outputs((plot, PICTURE), inputs=[loaded], force=force)
     with progress("impacts") as count:
         result = armour.ballistic_limit(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def compare(
-    scenario: Path = SCENARIO,
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    scenario: Path = options.SCENARIO,
+    changes: list[str] | None = options.CHANGES,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Compare the model with simpler formulas.
 
@@ -118,41 +97,33 @@ def compare(
     armour compare wilkins
     """
     loaded = read_scenario(scenario, changes, ANSWERS["compare"])
-    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
     with progress("impacts") as count:
         result = armour.compare(loaded, on_progress=count)
-    answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
+    answer(result, loaded, as_json=as_json, verbose=verbose)
 
 
 def check(
-    scenario: list[Path] = argument(
+    scenario: list[Path] = options.argument(
         "SCENARIO",
-        "Scenario files (TOML), folders with scenarios in them or below, or names of shipped scenarios; - reads "
-        "standard input.",
-        autocompletion=completion.scenarios,
+        "Scenario files (TOML), folders of them, or shipped scenarios; - reads standard input.",
+        words=completion.scenarios,
     ),
-    cases: Path | None = file_option(
-        "Table of offers: check, in place of the armour of the scenario, that of each row: ceramic, metal, their "
-        "thicknesses and the price per m².",
+    cases: Path | None = options.file("Table of offers: check the armour of each row in place of the scenario's."),
+    sheet: str | None = options.SHEET,
+    keep: list[str] | None = options.KEEP,
+    junit: Path | None = options.file("Write the results as JUnit XML; such a file is replaced."),
+    csv: Path | None = options.file("Write the limits as CSV, as given and changed, or a row for each offer."),
+    markdown: Path | None = options.file("Write the verdicts as Markdown, as for the summary of a CI run."),
+    probability: Any = options.PROBABILITY,
+    by_model: bool = options.BY_MODEL,
+    against: Path | None = options.file(
+        "Also list what moved since an earlier check, whose --json this file has; exit code 3 if anything is weaker."
     ),
-    sheet: str | None = SHEET,
-    keep: list[str] | None = KEEP,
-    junit: Path | None = file_option("Write the results as JUnit XML; such a file is replaced."),
-    csv: Path | None = file_option("Write the limits as CSV, as given and with each change, or a row for each offer."),
-    markdown: Path | None = file_option("Write the verdicts as Markdown, as for the summary of a CI run."),
-    probability: Any = REQUIRED_PROBABILITY,
-    confidence: Any = CONFIDENCE,
-    by_model: bool = BY_MODEL,
-    against: Path | None = file_option(
-        "Also list what moved since an earlier check of the same scenarios, whose --json this file has; exit code 3 if "
-        "a requirement or threat is weaker or missing, or if [uncertainty], own tests or own materials changed."
-    ),
-    plot: Path | None = PLOT,
-    yes: bool = YES,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    plot: Path | None = options.PLOT,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Does an armour stop its threats? Also several, or offers.
 
@@ -168,34 +139,36 @@ def check(
     armour check wilkins bare_plate --junit check.xml
     armour check wilkins --probability 0.9 --cases offers.csv --keep offer --csv verdicts.csv
     """
-    from armour.design.against import moved
     from armour.design.check import CheckResults, check_of
     from armour.design.offers import Offer, read_offers
     from armour.design.requirements import GOOD
     from armour.reporting.formats import markdown_report
     from armour.reporting.views import design as views
 
-    paths = scenario_paths(scenario, yes=yes)
+    paths = scenario_paths(scenario)
     is_one = cases is None and paths == scenario[:1]  # false for a folder, however many scenarios are in it
     runner.check_options(
-        *(
-            (name, value and paths != scenario[:1], ONE_SCENARIO)
-            for name, value in (("--plot", plot), ("--cases", cases))
-        ),
+        ("--plot", plot and paths != scenario[:1], ONE_SCENARIO),
+        ("--cases", cases and paths != scenario[:1], ONE_SCENARIO),
         ("--cases", cases and (plot or against), "must be given without --plot and --against"),
         ("--sheet", sheet and not cases, "must be given with --cases"),
         ("--keep", keep and not cases, "must be given with --cases"),
     )
+
+    def read(path: Path) -> armour.Scenario:
+        return read_scenario(path, changes, ANSWERS["check"], probability, by_model=by_model)
+
     with runner.mistakes_in(junit, paths, force=force):
-        scenarios = _read_each(paths, changes, either(probability, confidence), by_model=by_model)
+        scenarios = runner.read_each(paths, read)
         table = None if cases is None else read_offers(scenarios[0], cases, keep or (), sheet)
     earlier = None if against is None else read_json(against)
-    inputs = [*paths, against, cases]
-    check_outputs(markdown, tables=[csv], junit=junit, inputs=inputs, scenarios=scenarios, plot=plot, force=force)
-    offers: Sequence[Offer | None] = [None] * len(scenarios) if table is None else table.offers
+    inputs = [*scenarios, against, cases]
+    check_outputs((markdown, ()), (csv, CSV), (plot, PICTURE), junit=junit, inputs=inputs, force=force)
+    offers: Sequence[Offer | None] = [None] * len(scenarios)
     if table is not None:
-        scenarios = [offer.scenario for offer in table.offers]
-        say(*[f"read {cases}: {table.read.words}"] * (not table.read.plain))
+        if not table.read.plain:
+            say(f"read {cases}: {table.read.words}")
+        offers, scenarios = table.offers, [offer.scenario for offer in table.offers]
     results: list[armour.CheckResult] = []
     seconds, warnings = list[float](), list[str]()
     with progress("impacts") as count:
@@ -204,17 +177,12 @@ def check(
             found = check_of(loaded, count, changes=is_own, needed=is_own, offer=offer).of(every_row=verbose)
             results.append(found)
             seconds.append(perf_counter() - start)
-            warnings += warnings_of(loaded, found.notes, verbose=verbose) if is_own or verbose else []
-    data = [_checked_data(found) for found in results] if as_json or against is not None else []
+            warnings += runner.warnings_of(loaded, found.notes, verbose=verbose) if is_own or verbose else []
+    data = [_checked_data(found) for found in results]
     moves = [] if against is None else [*moved(earlier, data, str(against))]
     of_moved = [] if against is None else views.tables_of_moved(moves, str(against))
     if as_json:
-        if against is not None:
-            by_scenario = {
-                move.scenario: [vars(other) for other in moves if other.scenario == move.scenario] for move in moves
-            }
-            data = [{**each, "moved": by_scenario.pop(each["scenario"], [])} for each in data]
-            data += [{"scenario": missing, "moved": found} for missing, found in by_scenario.items()]
+        data = data if against is None else _with_moves(data, moves)
         show_json(data[0] if is_one and len(data) == 1 else data)
     else:
         if not is_one:
@@ -240,13 +208,13 @@ def check(
         junit: lambda _: junit_xml(suites()),
         markdown: lambda _: markdown_report(views.check_report(results, of_moved)),
         csv: lambda _: rows_csv(rows()),
-        plot: picture(lambda: armour.plot(results[0]), scenarios[0]),
+        plot: runner.picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
-    write(files, warnings)
+    runner.write(files, warnings)
     if is_one and not as_json:
         command, words = views.next_step(results[0])
         if command:
-            typed = _typed(command, changes, either(probability, confidence), by_model=by_model and command != "report")
+            typed = _typed(command, changes, probability, by_model=by_model and command != "report")
             _propose(command, scenarios[0], typed, words)
         else:
             runner.propose(words)
@@ -261,62 +229,40 @@ def _checked_data(result: "armour.CheckResult") -> dict[str, Any]:
     return {"scenario": scenario.file, **labelled, **result.to_dict(), "made_by": runner.origin_of(scenario)}
 
 
-def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], words: str = "") -> None:
-    """Print the command to go on with for a scenario; `typed` are the options given, and `words` stand at its end.
+def _with_moves(data: Sequence[dict[str, Any]], moves: Sequence[Moved]) -> list[dict[str, Any]]:
+    """Return the data of checks, each with what moved since the earlier one, and of earlier ones that are missing."""
+    found = {each["scenario"]: {**each, "moved": []} for each in data}
+    for move in moves:
+        found.setdefault(move.scenario, {"scenario": move.scenario, "moved": []})["moved"].append(vars(move))
+    return [*found.values()]
 
-    Where the line would be too long to copy, it says that the options stay.
-    """
-    if scenario.file == runner.STANDARD_INPUT:
-        return
-    source = runner.source_word(scenario.file)
-    line = f"{shell_line(['armour', command, source, *typed])} {words}".rstrip()
-    longer = " ".join(filter(None, ("armour", command, words, "with the same scenario and options")))
-    runner.propose(line if len(line) <= LONGEST_NEXT else longer)
+
+def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], words: str = "") -> None:
+    """Print the command to go on with for a scenario; `typed` are the options given, and `words` stand at its end."""
+    if scenario.file != runner.STANDARD_INPUT:
+        line = shell_line(["armour", command, runner.source_word(scenario.file), *typed])
+        runner.propose(f"{line} {words}".rstrip())
 
 
 def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
     """Return the options given as words of another command, without changes that it does not read."""
     asked = [] if probability is None else ["--probability", f"{probability:g}"]
-    return [
-        *asked,
-        *["--by-model"] * by_model,
-        *runner.set_options(runner.accepted(changes or (), ANSWERS[command].reads)),
-    ]
-
-
-def _read_each(
-    paths: Sequence[Path], changes: Sequence[str] | None, probability: Any, *, by_model: bool
-) -> list["armour.Scenario"]:
-    """Read the scenarios of a check, and raise one error with the mistakes in all of them.
-
-    `changes` are those of ``--set``, `probability` and `by_model` the values of these options.
-    """
-    scenarios: list[armour.Scenario] = []
-    problems: list[Problem] = []
-    for path in paths:
-        try:
-            scenarios.append(read_scenario(path, changes, ANSWERS["check"], probability=probability, by_model=by_model))
-        except InputError as error:
-            problems += error.problems
-    refuse(dict.fromkeys(problems))
-    return scenarios
+    read = runner.accepted(changes or (), ANSWERS[command].reads)
+    return [*asked, *["--by-model"] * by_model, *(word for change in read for word in ("--set", change))]
 
 
 def optimise(
-    scenario: Path = SCENARIO,
-    csv: Path | None = file_option(
-        "Write the Pareto front as CSV or, without one, the thinnest ceramic for each back plate."
-    ),
-    page: Path | None = file_option("Write an interactive map of all designs, .html.", "--map"),
-    save: Path | None = file_option("Write the scenario with the best design as its armour, .toml."),
-    changes: list[str] | None = CHANGES,
-    probability: Any = REQUIRED_PROBABILITY,
-    confidence: Any = CONFIDENCE,
-    by_model: bool = BY_MODEL,
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    scenario: Path = options.SCENARIO,
+    csv: Path | None = options.file("Write the Pareto front as CSV, or else the thinnest ceramic for each plate."),
+    page: Path | None = options.file("Write an interactive map of all designs, .html.", "--map"),
+    save: Path | None = options.file("Write the scenario with the best design as its armour, .toml."),
+    changes: list[str] | None = options.CHANGES,
+    probability: Any = options.PROBABILITY,
+    by_model: bool = options.BY_MODEL,
+    plot: Path | None = options.PLOT,
+    force: bool = options.FORCE,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Find the lightest armour that stops the threats.
 
@@ -331,11 +277,9 @@ def optimise(
     from armour.design.optimise import effort
     from armour.reporting.views.design import design_csv
 
-    asked = either(probability, confidence)
-    loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability=asked, by_model=by_model)
-    check_outputs(page, save, tables=[csv], inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
-    for output, ending in ((page, ".html"), (save, ".toml")):
-        refuse([] if output is None else wrong_ending(output, (ending,)))
+    loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability, by_model=by_model)
+    outputs = (page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE)
+    check_outputs(*outputs, inputs=[loaded], force=force)
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
         designs, seconds = effort(loaded)
@@ -348,11 +292,10 @@ def optimise(
     files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page, **saved}
     answer(result, loaded, files, plot=plot, as_json=as_json, verbose=verbose)
     if save is not None and result.reason:
-        say(
-            f"{save} not written: the nearest design FAILS" if fails else f"{save}: not known whether this design holds"
-        )
+        words = " not written: the nearest design FAILS" if fails else ": not known whether this design holds"
+        say(f"{save}{words}")
     if not as_json:
-        _propose_after(result, loaded, _typed("optimise", changes, asked, by_model=by_model), save)
+        _propose_after(result, loaded, _typed("optimise", changes, probability, by_model=by_model), save)
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
 
@@ -398,12 +341,12 @@ def _propose_after(
 
 
 def sensitivity(
-    scenario: Path = SCENARIO,
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    scenario: Path = options.SCENARIO,
+    plot: Path | None = options.PLOT,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Rank the inputs by their effect on the limit.
 
@@ -415,20 +358,20 @@ def sensitivity(
     armour sensitivity wilkins --plot sensitivity.svg
     """
     loaded = read_scenario(scenario, changes, ANSWERS["sensitivity"])
-    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
+    check_outputs((plot, PICTURE), inputs=[loaded], force=force)
     with progress("impacts") as count:
         result = armour.sensitivity(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def uncertainty(
-    scenario: Path = SCENARIO,
-    samples: Any = number_option("Number of samples, at least 128; by default the scenario's."),
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-    verbose: bool = VERBOSE,
-    as_json: bool = AS_JSON,
+    scenario: Path = options.SCENARIO,
+    samples: str | None = options.text("Number of samples, at least 128.", metavar="NUMBER"),
+    plot: Path | None = options.PLOT,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
+    verbose: bool = options.VERBOSE,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Propagate uncertain inputs to the answer.
 
@@ -436,48 +379,38 @@ def uncertainty(
     --------
     armour uncertainty uncertain --plot uncertainty.svg
     """
-    loaded = read_scenario(scenario, changes, ANSWERS["uncertainty"], {"--samples": ("uncertainty.samples", samples)})
-    check_outputs(inputs=[scenario], scenarios=[loaded], plot=plot, force=force)
+    changes = runner.with_change(changes, "uncertainty.samples", samples)
+    loaded = read_scenario(scenario, changes, ANSWERS["uncertainty"])
+    check_outputs((plot, PICTURE), inputs=[loaded], force=force)
     with progress("samples") as count:
         result = armour.uncertainty(loaded, on_progress=count)
     answer(result, loaded, plot=plot, as_json=as_json, verbose=verbose)
 
 
 def sweep(
-    scenario: Path = SCENARIO,
-    output: Path | None = file_option(
-        "Table to write, .csv or .parquet; without it, the first rows are printed and none are kept.",
-        "--output",
-        "-o",
-    ),
-    over: list[str] | None = option(
-        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat to span a grid.",
+    scenario: Path = options.SCENARIO,
+    output: Path | None = options.file("Table to write, .csv or .parquet, in place of a few rows.", "--output", "-o"),
+    over: list[str] | None = options.text(
+        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat for a grid.",
         metavar="KEY=VALUES",
-        autocompletion=completion.numbers,
+        words=completion.axes,
     ),
-    cases: Path | None = file_option(
-        "CSV file of cases, in place of --over: the header names the keys, such as armour.ceramic, and each row "
-        "gives their values, such as SiC."
-    ),
-    sheet: str | None = SHEET,
-    keep: list[str] | None = KEEP,
-    quantities: str | None = option(
-        "Quantities to compute, from the list below; by default the ballistic limit or, without -o, limits, "
-        "probability and verdict.",
+    cases: Path | None = options.file("CSV file of cases, in place of --over: a row each, below the names of keys."),
+    sheet: str | None = options.SHEET,
+    keep: list[str] | None = options.KEEP,
+    quantities: str | None = options.text(
+        "Quantities to compute, from the list below; by default the ballistic limit.",
         metavar="NAME,...",
-        autocompletion=completion.quantities,
+        words=completion.quantities,
     ),
-    plot: Path | None = PLOT,
-    force: bool = FORCE,
-    threads: Any = number_option("Threads, at least 1; by default one per core."),
-    scheduler: str = option(
-        'Compute on the Dask cluster at this address; "local" starts one on this machine.',
-        metavar="ADDRESS",
-        default="",
+    plot: Path | None = options.PLOT,
+    force: bool = options.FORCE,
+    scheduler: str = options.text(
+        "Compute on the Dask cluster at this address; local starts one.", metavar="ADDRESS", default=""
     ),
-    yes: bool = flag("Run a sweep even if it takes hours or more disk space than is free.", "--yes"),
-    changes: list[str] | None = CHANGES,
-    as_json: bool = AS_JSON,
+    yes: bool = options.flag("Run a sweep even if it takes hours or more disk space than is free.", "--yes"),
+    changes: list[str] | None = options.CHANGES,
+    as_json: bool = options.AS_JSON,
 ) -> None:
     """Compute grids and tables of cases; resume if interrupted.
 
@@ -494,11 +427,10 @@ def sweep(
     loaded = read_scenario(scenario, changes, Answer("the sweep", tuple(reads)))
     if not quantities and output is None and loaded.threat:
         names = [VERDICT]  # the others are against [impact]
-    check_outputs(output, inputs=[scenario, cases], scenarios=[loaded], plot=plot, force=force)
-    keys, is_count = len(over or []), threads is None or (type(threads) is int and threads > 0)
+    check_outputs((output, ()), (plot, PICTURE), inputs=[loaded, cases], force=force)
+    keys = len(over or [])
     runner.check_options(
         ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
-        ("--threads", not is_count, f"must be a whole number of at least 1, found {describe(threads)}"),
         ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
         ("--keep", cases is None and keep, "must be given with --cases"),
         ("--plot", plot and names[0] in WORDS, f"must be given with a number first in --quantities, found {names[0]}"),
@@ -507,27 +439,26 @@ def sweep(
     with runner.as_options("sweep"):
         source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet, keep or ())
         if output is None:
-            sweeping.show_rows(loaded, source, names, plot, threads=threads, as_json=as_json)
-            return
-        options: Any = {"scheduler": scheduler, "threads": threads, "replace": force, "yes": yes, "as_json": as_json}
-        sweeping.write_and_show(loaded, source, names, output, plot, **options)
+            sweeping.show_rows(loaded, source, names, plot, as_json=as_json)
+        else:
+            settings: Any = {"scheduler": scheduler, "replace": force, "yes": yes, "as_json": as_json}
+            sweeping.write_and_show(loaded, source, names, output, plot, **settings)
 
 
 def report(
-    source: Path = argument(
+    source: Path = options.argument(
         "SCENARIO|SUITE",
-        "Scenario or suite file (TOML), or name of a shipped one; - reads a scenario from standard input.",
-        autocompletion=completion.scenarios_and_suites,
+        "Scenario or suite (TOML), or name of a shipped one; - reads standard input.",
+        words=completion.scenarios_and_suites,
     ),
     output: Path = typer.Option(
         Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
     ),
-    as_is: bool = flag("Report on the scenario's own armour even if the scenario asks for a design.", "--as-is"),
-    probability: Any = REQUIRED_PROBABILITY,
-    confidence: Any = CONFIDENCE,
-    by_model: bool = BY_MODEL,
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
+    as_is: bool = options.flag("Report on the scenario's armour even if it asks for a design.", "--as-is"),
+    probability: Any = options.PROBABILITY,
+    by_model: bool = options.BY_MODEL,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Write the answer as a page to hand over.
 
@@ -538,41 +469,27 @@ def report(
     armour report panel --probability 0.95 -o report.html
     armour report paper -o suite.html
     """
-    from armour.reporting import formats, scenario_report
+    from armour.reporting.formats import REPORT_ENDINGS
+    from armour.reporting.scenario_report import scenario_report
     from armour.reporting.views.validation import suite_report
-    from armour.scenario.scenario import files_of, scenario_file
     from armour.validation.suite import suite_files
 
-    probability = either(probability, confidence)
-    required = [] if probability is None else ["--probability", str(probability)]
-    changes = changes or []
     command = runner.command_line()
-    set_words = runner.set_options(runner.accepted(changes, ANSWERS["optimise"].reads))
-    optimise_words = ["armour", "optimise", runner.source_word(source), *required, *set_words]
-    map_command = shell_line([*optimise_words, "--map", "map.html"])
     if str(source) != "-":
         source = scenario_file(source, shipped_suites())
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
-    runner.check_options(
-        ("--as-is", is_suite and as_is, "must be given with a scenario, found a suite"),
-        ("--probability", is_suite and required, "must be given with a scenario, found a suite"),
-        ("--by-model", is_suite and by_model, "must be given with a scenario, found a suite"),
-    )
     if is_suite:
-        suite = armour.load_suite(source, changes_of(changes))
-        inputs = suite_files(suite)
-    else:
-        asked = ANSWERS["report --as-is" if as_is else "report"]
-        scenario = read_scenario(source, changes, asked, probability=probability, by_model=by_model)
-        inputs = [source, *files_of(scenario)]
-    check_outputs(output, inputs=inputs, force=force)
-    refuse(wrong_ending(output, formats.REPORT_ENDINGS))
-    if is_suite:
+        of_scenario = {"--as-is": as_is, "--probability": probability is not None, "--by-model": by_model}
+        message = "must be given with a scenario, found a suite"
+        runner.check_options(*((name, is_given, message) for name, is_given in of_scenario.items()))
+        suite = armour.load_suite(source, changes_of(changes or ()))
+        check_outputs((output, REPORT_ENDINGS), inputs=suite_files(suite), force=force)
         with progress("cases", len(suite.cases)) as count:
             content = suite_report(armour.validate(suite, on_check=lambda _check, _total: count(1)), command)
     else:
+        asked = ANSWERS["report --as-is" if as_is else "report"]
+        scenario = read_scenario(source, changes, asked, probability, by_model=by_model)
+        check_outputs((output, REPORT_ENDINGS), inputs=[scenario], force=force)
         with progress("armours") as count:
-            content = scenario_report.scenario_report(scenario, command, count, as_is=as_is, map_command=map_command)
-    if output.suffix.lower() == ".html":
-        runner.drawing()
-    write({output: lambda path: formats.report_text(content, path)})
+            content = scenario_report(scenario, command, count, as_is=as_is)
+    runner.write({output: lambda path: runner.page(content, path)})

@@ -1,6 +1,7 @@
 """Read the cases of a sweep from options or a table, and run the command `sweep`."""
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -8,8 +9,8 @@ from typing import Any
 
 import armour
 from armour.analysis.quantities import QUANTITIES, REQUIRED_QUANTITIES, VERDICT
+from armour.cli import runner
 from armour.cli.console import progress, say
-from armour.cli.runner import announce, command_line, picture, show_answer, write
 from armour.errors import counted, mistake
 from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows, tables_of_sweep
 from armour.scenario.scenario import Scenario
@@ -48,15 +49,14 @@ def write_and_show(
     plot: Path | None,
     *,
     scheduler: str,
-    threads: int | None,
     replace: bool,
     yes: bool,
     as_json: bool,
 ) -> None:
     """Compute a sweep, write its rows to ``output`` and show them, and draw the first quantity to ``plot``.
 
-    ``scheduler`` is the address of a cluster, if there is one, and ``threads`` are those of this process.  A sweep that
-    takes a while is announced; a large one is refused without ``yes``.
+    ``scheduler`` is the address of a cluster, if there is one.  A sweep that takes a while is announced; a large one is
+    refused without ``yes``.
     """
     with ExitStack() as stack:
         count = stack.enter_context(progress("rows", source.count))
@@ -64,22 +64,22 @@ def write_and_show(
         if scheduler:
             from armour.sweeps.cluster import connected, workers_of  # imports Dask
 
+            # Or else the processes that "local" starts would import modules from the current folder.
+            os.environ["PYTHONSAFEPATH"] = "1"
             workers = stack.enter_context(workers_of(stack.enter_context(connected(scheduler))))
-
-        def on_chunk(rows: int, stored: bool) -> None:
-            count(rows, stored=stored)
 
         def approve(effort: Effort) -> None:
             if effort.is_large and not yes:
                 raise mistake("sweep", "", f"{effort.words}; --yes to go on")
-            announce(effort.seconds, effort.words)
+            runner.announce(effort.seconds, effort.words)
 
-        calls: Any = {"on_chunk": on_chunk, "approve": approve, "tell": say, "command": command_line()}
-        write_sweep(scenario, source, quantities, output, workers=workers, threads=threads, replace=replace, **calls)
-    say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities, drawn=plot is not None))
+        calls: Any = {"approve": approve, "tell": say, "command": runner.command_line()}
+        calls["on_chunk"] = lambda rows, stored: count(rows, stored=stored)
+        write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **calls)
+    say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     data = {"rows": source.count, "output": str(output)}
-    show_answer(data, shown, as_json=as_json, scenario=scenario)
+    runner.show_answer(data, shown, scenario=scenario, as_json=as_json)
 
     def figure() -> Any:
         from armour.reporting.pictures import drawing, sweeps
@@ -87,35 +87,24 @@ def write_and_show(
         draw = partial(sweeps.draw_columns, read_table(output), source.keys, quantities[0], scenario)
         return drawing.drawn(draw, drawing.Sheet(), subject_of(scenario, source, quantities)).figure
 
-    write({plot: picture(figure, scenario)})
+    runner.write({plot: runner.picture(figure, scenario)})
 
 
 def show_rows(
-    scenario: Scenario,
-    source: Grid | SweepCases,
-    quantities: Sequence[str],
-    plot: Path | None,
-    *,
-    threads: int | None,
-    as_json: bool,
+    scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str], plot: Path | None, *, as_json: bool
 ) -> None:
     """Compute a sweep without a table to write, show its first rows, and draw the first quantity to ``plot``."""
     with progress("rows", source.count) as count:
-        result = sweep_in_memory(scenario, source, quantities, threads, MOST_SHOWN)
+        result = sweep_in_memory(scenario, source, quantities, None, MOST_SHOWN)
         count(source.count, None)
     data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
     tables = () if as_json else tables_of_sweep(result)
-    show_answer(data, tables, as_json=as_json, scenario=scenario)
-    warnings = [f"warning: {note}" for note in result.notes]
-    write(
-        {plot: picture(lambda: armour.plot(result), scenario)}, [*_notes(quantities, drawn=plot is not None), *warnings]
-    )
+    runner.show_answer(data, tables, scenario=scenario, as_json=as_json)
+    warnings = [*_notes(quantities), *(f"warning: {note}" for note in result.notes)]
+    runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)}, warnings)
 
 
-def _notes(names: Sequence[str], *, drawn: bool) -> Iterator[str]:
-    """Yield notes on the meaning of the quantities of a sweep, and on the one drawn."""
+def _notes(names: Sequence[str]) -> list[str]:
+    """Return a note on the meaning of the quantities of a sweep that need one."""
     required = [name for name in names if QUANTITIES[name].on_grid]
-    if required:
-        yield f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"
-    if drawn and len(names) > 1:
-        yield f"note: --plot draws {names[0]} alone, the first of --quantities"
+    return [f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"] if required else []

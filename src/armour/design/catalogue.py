@@ -15,8 +15,8 @@ from armour.engine import batch
 from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Materials, Tested, is_untested, lacks_sources, what_was_tested
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, ROLES, VELOCITY, cosine_of, fields_of
-from armour.scenario.library import LibraryEntry, inputs_of_entry
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
+from armour.scenario.library import inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
@@ -25,7 +25,6 @@ from armour.scenario.schema import (
     CeramicLayer,
     DesignSection,
     FreeRange,
-    Layer,
     Range,
     Threat,
 )
@@ -112,9 +111,7 @@ class Catalogue:
         }
         if ceramic.material:
             changes["armour.ceramic"] = ceramic.material
-        layers = {"ceramic.density_kg_m3": ceramic, "backing.density_kg_m3": backing}
-        given = {key: layer.density_kg_m3 for key, layer in layers.items() if layer.density_kg_m3 is not None}
-        return self.scenario.replaced(changes).with_inputs(given)
+        return self.scenario.replaced(changes)
 
     @cached_property
     def has_free_layer(self) -> bool:
@@ -254,7 +251,7 @@ class Catalogue:
     @cached_property
     def costed(self) -> list[bool]:
         """For each pair, whether all layers have a cost; an existing back plate needs none."""
-        inert = all(layer.has_cost() for layer in self.scenario.inert_layers)
+        inert = all(layer.has_cost() for layer in self.scenario.armour.layer)
         counted = 1 + self.scenario.counts_backing
         layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
         return [inert and all(layer.has_cost() for layer in of_pair if layer.material) for of_pair in layers]
@@ -277,8 +274,8 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section, sampled=sampled)])
 
     # A bare plate has no ceramic.
-    ceramics = [_entry(scenario, "ceramic", layer) if layer.material else None for layer in section.ceramic]
-    metals = [_entry(scenario, "backing", layer) for layer in section.backing]
+    ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
+    metals = [scenario.entry("metal", layer.material) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
     inputs = {
         "ceramic": [{} if entry is None else inputs_of_entry("ceramic", entry) for entry in ceramics],
@@ -335,15 +332,13 @@ def _wrong_layers(scenario: Scenario, section: DesignSection, *, sampled: bool) 
             if costs and layer.material and role != section.existing and not layer.has_cost():
                 message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
                 yield Problem(file, key, message)
-    for i, inert in enumerate(scenario.inert_layers):
+    for i, inert in enumerate(scenario.armour.layer):
         if costs and not inert.has_cost():
-            key = f"armour.layer[{i}].cost_per_m2" if inert.name else "design.added_cost_per_m2"
-            yield Problem(file, key, "must be given if [design] asks for costs")
+            yield Problem(file, f"armour.layer[{i}].cost_per_m2", "must be given if [design] asks for costs")
     for backing in section.backing if section.existing else ():
-        hull, listed = (armour.backing_thickness_mm, armour.backing), (backing.thicknesses()[0], backing.material)
-        if listed != hull:
-            message = "must be the back plate of [armour], as it exists: {:g} mm {}, found {:g} mm {}"
-            yield Problem(file, "design.backing[0]", message.format(*hull, *listed))
+        if (backing.thicknesses(), backing.material) != ((armour.backing_thickness_mm,), armour.backing):
+            message = "must be the back plate of [armour] alone, as it exists: {:g} mm {}"
+            yield Problem(file, "design.backing", message.format(armour.backing_thickness_mm, armour.backing))
 
 
 def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:
@@ -359,16 +354,6 @@ def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Probl
     elif designs * threats > MAX_IMPACTS:
         message = f"must list at most {MAX_IMPACTS // designs} threats for {designs} designs, found {threats}"
         yield Problem(file, "threat", message)
-
-
-def _entry(scenario: Scenario, role: str, layer: Layer) -> LibraryEntry:
-    """Return the entry of a layer's material, with the density that the layer gives."""
-    if layer.density_kg_m3 is None:
-        return scenario.entry(ROLES[role], layer.material)
-    changes = {NAMES[role]: layer.material, f"{role}.density_kg_m3": layer.density_kg_m3}
-    entry = scenario.replaced(changes).entry_of(role)
-    assert entry is not None
-    return entry
 
 
 def _parameters(inputs: Mapping[str, float]) -> list[float]:

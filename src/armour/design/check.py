@@ -207,7 +207,7 @@ class CheckResults(tuple[CheckResult, ...]):
     """Checks of several armours, a tuple."""
 
     def to_dataframe(self) -> Any:
-        """Return a row for each armour as a data frame of pandas, or else of polars; see `rows`."""
+        """Return a row for each armour as a data frame of pandas; see `rows`."""
         return data_frame(by_column(self.rows()))
 
     def rows(self) -> list[dict[str, object]]:
@@ -357,9 +357,7 @@ def check_of(
     verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
     notes = (
-        *scenario.floors,
         *scenario.unused_impact(),
-        *scenario.unused_densities(),
         *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
         *(
             dict.fromkeys(note for each in wrongly_placed for note in each)

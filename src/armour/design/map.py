@@ -8,7 +8,6 @@ import numpy as np
 from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.variants import Floats
 from armour.design.catalogue import CandidateDesigns, Catalogue
-from armour.units import GPA
 
 # Number of thicknesses along an axis that are tried to find where the model error becomes known or unknown; width to
 # which such an edge is bisected, mm.
@@ -65,19 +64,6 @@ def design_map(
     greatest = rows.errors.greatest.reshape(shape)
     by_tests = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_tests, greatest)
-
-
-def limits_over_sources(catalogue: Catalogue, designs: DesignMap) -> Floats | None:
-    """Return the ballistic limits of a map with each flow stress that sources give for its ceramic, m/s.
-
-    The shape is (sources, ceramics, back plates, threats).  Return None if no sources are given or if tests are known.
-    """
-    ceramic = catalogue.materials[designs.pair].ceramic
-    if ceramic is None or not ceramic.flow_stress_sources_GPa or not catalogue.untested[designs.pair]:
-        return None
-    rows, sources = catalogue.against_each(designs.candidates), ceramic.flow_stress_sources_GPa
-    limits = [rows.with_fields({"Yc0": flow_stress * GPA}).limits_anywhere() for flow_stress in sources]
-    return np.array(limits).reshape(-1, *designs.limits_m_s.shape)
 
 
 def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> tuple[Floats, Floats]:

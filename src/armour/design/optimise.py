@@ -252,7 +252,7 @@ class DesignResult(TableResult):
     reported = shown
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
-        """Return the frontier, or the Pareto front, as a data frame of pandas, or else of polars."""
+        """Return the frontier, or the Pareto front, as a data frame of pandas."""
         return data_frame(self._columns(designs))
 
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:
@@ -307,7 +307,7 @@ def optimise(
     designs, place, least = _best_place(search)
     shown, pair, has_frontier = _best(designs, place), int(designs.columns.pair[place]), least > FAILS
     pairs = _pairs(designs, search, place, shown, least)
-    notes = [*scenario.floors, *scenario.unused_impact(), *catalogue.omissions()]
+    notes = [*scenario.unused_impact(), *catalogue.omissions()]
     metals = [catalogue.materials[each].backing for each in np.flatnonzero(catalogue.metal)]
     notes += threat_warnings(scenario, designs.rows_of(place).armours, metals)
     notes += _of_other_pairs(catalogue, notes)

@@ -41,8 +41,8 @@ ASSUMED = f"assumed: {SCATTER_PERCENT:g} % within a factor of {SCATTER_FACTOR:g}
 LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 # Quantities of bare plates whose trend is uncertain beyond the tests.
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
-# Key of the solver that changes the accuracy of the numbers only.
-NUMERICAL = "time_step_us"
+# Greatest tolerance of a ballistic limit to which the error of the tests applies, m/s: a small part of it.
+MAX_TOLERANCE_M_S = 1.0
 NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
@@ -260,7 +260,9 @@ def other_settings(scenario: Scenario) -> str:
     """Describe the settings and equations of the model that differ from those used to compute the tests; "" if none."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
-    others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual and key != NUMERICAL]
+    others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual]
+    if (tolerance := scenario.ballistic_limit.tolerance_m_s) > MAX_TOLERANCE_M_S:
+        others.append(f"ballistic_limit.tolerance_m_s = {tolerance}")
     return ", ".join(filter(None, [*others, changed_equations()]))
 
 

@@ -1,9 +1,7 @@
-"""Plan the next shot of a V50 firing, or simulate the whole firing."""
+"""Plan the next shot of a V50 firing."""
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
-from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -15,9 +13,8 @@ from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import Note, Problem, mistake, refuse
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
 from armour.planning import procedures
-from armour.planning.procedures import Aim, OperatingPoint, Rule, ShotSettings
-from armour.planning.shot_file import added
-from armour.scenario.checked import checked, instance
+from armour.planning.procedures import OperatingPoint, ShotSettings
+from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
@@ -27,12 +24,9 @@ from armour.statistics.posterior import (
     Posterior,
     expected,
     learned,
-    no_prior,
-    pooled_scatter,
     posterior_of,
 )
 from armour.statistics.v50 import Fraction, MeanV50, Shots, Velocity
-from armour.units import feet_note
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
@@ -45,14 +39,8 @@ PLAN_POINTS = 201
 # with a probability of 95 %; WITHIN is the normal quantile for this probability, and NORMAL are degrees of
 # freedom at which Student's t distribution is practically normal.
 WIDE, WITHIN, NORMAL = 0.3, 1.96, 1e6
-# Shots outside the interval of V50 with FAR_PROBABILITY, widened by FAR_PART of the limit, give a warning.
-FAR_PROBABILITY, FAR_PART = 0.999, 0.1
 # A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
 ABSURD_FACTOR = 3.0
-# Greatest number of simulated shots.
-MAX_SIMULATED = 100
-BOTH = "must be given too: give both V50 and scatter, or neither"
-NOT_ENDED = f"the simulation stopped after {MAX_SIMULATED} shots before the firing ended"
 
 
 @dataclass(frozen=True)
@@ -73,9 +61,7 @@ class ShotPlan(Result):
     ----------
     procedure : {"bayesian", "neyer", "langlie", "up-and-down"}
     fired : Shots
-        The shots so far, followed by the simulated ones.
-    simulated : int
-        Number of simulated shots, the last ones.
+        The shots so far.
     next_velocity_m_s : float or None
         Velocity of the next shot, m/s; None if the firing has ended.
     reason : str
@@ -85,8 +71,6 @@ class ShotPlan(Result):
     expected_shots : float or None
         Median number of further shots in simulated continuations by the Bayesian procedure; None if it exceeds 100,
         and for the other procedures.
-    expected_shots_90 : float or None
-        The same number for a confidence of 90 %; None also if the confidence asked for is at most 90 %.
     confidence : float
         Confidence level of the intervals and of the requirement.
     half_width_m_s : float or None
@@ -102,7 +86,7 @@ class ShotPlan(Result):
         requirement, and while it is undecided.
     consumers_risk, producers_risk : float or None
         Greatest probability that armour which does not meet the requirement is accepted, and that armour which meets it
-        is rejected: 1 minus the confidence.  None without a requirement, and if the decision uses the prior.
+        is rejected: 1 minus the confidence.  None without a requirement.
     evidence_met, evidence_not_met : float or None
         Evidence for and against the requirement.  ``evidence_met`` is the likelihood of the shots averaged over curves
         that meet the requirement, divided by the greatest likelihood of a curve that does not; ``evidence_not_met`` is
@@ -111,10 +95,8 @@ class ShotPlan(Result):
         Outcomes of simulated firings at armours around the requirement, with a V50 ``v50_m_s`` and a scatter
         ``scatter_m_s``, m/s: the fractions of firings that end with the requirement ``met`` and ``not_met``, and the
         median number of ``shots``, None above 100.  Empty once a shot has been fired.
-    earlier : int
-        Number of earlier firings whose scatters are pooled.
     scatter_percent, scatter_factor : float
-        Expected scatter, per cent of V50, and the factor by which it may differ, given the earlier firings.
+        Expected scatter, per cent of V50, and the factor by which it may differ.
     limits_m_s : tuple of float or None
         Limits of V50 that Langlie's and Neyer's procedures start from, m/s.
     prior, posterior : FiringEstimate
@@ -132,22 +114,18 @@ class ShotPlan(Result):
         Ballistic limit by the model, m/s; None without a scenario.
     model_error : ModelError or None
         Relative error of the model's limit.
-    true_v50_m_s, true_scatter_m_s : float or None
-        V50 and scatter of the simulated shots, m/s.
     curve : PlanCurve
         Over ``velocity_m_s``, m/s: the densities of V50, ``prior`` and ``posterior``, s/m, and by the posterior the
         ``probability`` of complete penetration.
     contradicts_prior : bool
         Whether the posterior median of V50 or of the scatter lies outside its 99 % interval by the prior.
     notes : tuple of Note
-        Shots far from the model's limit or contradicting the prior, limits that shots have reached, a simulation that
-        did not end, a greatest velocity below V50 or the required one, and ways in which the scenario differs from what
-        the model was compared with.
+        Shots far from the others or contradicting the prior, and ways in which the scenario differs from what the model
+        was compared with.
     """
 
     procedure: str
     fired: Shots
-    simulated: int
     next_velocity_m_s: float | None
     reason: str
     stopped: str
@@ -167,8 +145,6 @@ class ShotPlan(Result):
     model_error: ModelError | None
     expected_from: str
     curve: PlanCurve
-    true_v50_m_s: float | None = None
-    true_scatter_m_s: float | None = None
     contradicts_prior: bool = False
     decision: str = ""
     consumers_risk: float | None = None
@@ -176,8 +152,6 @@ class ShotPlan(Result):
     evidence_met: float | None = None
     evidence_not_met: float | None = None
     operating_characteristic: tuple[OperatingPoint, ...] = ()
-    earlier: int = 0
-    expected_shots_90: float | None = None
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
     notes: tuple[Note, ...] = ()
@@ -193,19 +167,12 @@ def plan_shots(
     confidence: Confidence = CONFIDENCE,
     requirement_m_s: Velocity | None = None,
     requirement_fraction: Fraction = 0.5,
-    velocity_max_m_s: Velocity = v50.MAX_VELOCITY_M_S,
-    prior: bool = False,
     scatter_percent: Annotated[float, Field(ge=0.01, le=50.0)] = SCATTER_PERCENT,
     scatter_factor: Annotated[float, Field(ge=1.01, le=10.0)] = SCATTER_FACTOR,
-    earlier: Sequence[Shots] = (),
     limits_m_s: Annotated[tuple[Velocity, Velocity], Field(strict=False)] | None = None,
-    simulate: bool = False,
-    true_v50_m_s: Velocity | None = None,
-    true_scatter_m_s: Annotated[float, Field(ge=0.01, le=v50.MAX_VELOCITY_M_S)] | None = None,
-    seed: Annotated[int, Field(ge=0)] = 0,
     on_progress: OnProgress = ignore_progress,
 ) -> ShotPlan:
-    """Plan the next shot of a V50 firing, or simulate all further ones.
+    """Plan the next shot of a V50 firing.
 
     Parameters
     ----------
@@ -228,35 +195,18 @@ def plan_shots(
         starts above it.
     requirement_fraction : float
         Fraction of shots that may perforate at the required velocity, 0.001 to 0.999; 0.5 sets the requirement on V50.
-    velocity_max_m_s : float
-        Greatest velocity that can be fired, m/s: no faster shot is planned.
-    prior : bool
-        Whether to include the model's prediction in the decision on the requirement, which then uses the posterior and
-        has no stated risks.
     scatter_percent : float, default 2.0
         Expected scatter, the standard deviation of the response curve, 0.01 to 50 % of V50: the median of its prior,
         and the initial guess of Neyer's procedure.
     scatter_factor : float, default 2.0
         Factor by which the scatter may differ from the expected one, 1.01 to 10: one standard deviation of its
         logarithm.
-    earlier : sequence of Shots
-        Earlier firings at such armours, each with partial and complete penetrations.  Their scatters are pooled with
-        the expected one.
     limits_m_s : tuple of float, optional
         Limits of V50, m/s, that Langlie's and Neyer's procedures start from, by default the interval of the model's
         limit with a probability of 99 %.  For the other procedures, the range in which V50 is expected if the model
         error is not known.
-    simulate : bool
-        Whether to simulate the rest of the firing, 100 shots at most.
-    true_v50_m_s : float, optional
-        True V50 of the simulated shots, m/s; by default V50 and the scatter are drawn from the posterior.
-    true_scatter_m_s : float, optional
-        True scatter of the simulated shots, m/s.
-    seed : int
-        Seed of the simulation, at least 0.
     on_progress : callable, optional
-        Called with the number of impacts computed or shots simulated since the last call, and None, as the total is
-        not known.
+        Called with the number of impacts computed since the last call, and None, as the total is not known.
 
     Returns
     -------
@@ -265,8 +215,7 @@ def plan_shots(
     Raises
     ------
     InputError
-        If a setting is out of its range or has no effect, if there is no scenario, shot or limit to expect V50 from, or
-        if the decision is to include the model's prediction, whose error is not known.
+        If a setting is out of its range or has no effect, or there is no scenario, shot or limit to expect V50 from.
     NoLimitError
         If the scenario has no ballistic limit in the range of the search.
 
@@ -278,43 +227,26 @@ def plan_shots(
     726.8
     """
     shots = shots or Shots((), ())
-    v50.check_shots(shots, kinds=0)
-    if requirement_m_s is not None:
-        v50.refuse_remarks(shots)
+    v50.check_shots(shots, kinds=0, decides=requirement_m_s is not None)
     refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
-    for firing in earlier:
-        v50.check_shots(instance(firing, Shots))
-    for firing in (shots, *earlier):
-        v50.check_not_swapped(firing)
-    required, without = requirement_m_s is not None, "must not be given without "
+    v50.check_not_swapped(shots)
+    required, is_bayesian = requirement_m_s is not None, procedure == "bayesian"
+    no_fraction = "must not be given without a requirement"
     no_requirement = f"must not be given with {procedure}, which has no requirement"
     other_end = "must not be given with a requirement, which ends the firing"
     low, high = limits_m_s or (0.0, inf)
     conflicts = [
-        ("requirement_fraction", requirement_fraction != 0.5 and not required, f"{without}a requirement"),
-        ("prior", prior and not required, f"{without}a requirement"),
+        ("requirement_fraction", requirement_fraction != 0.5 and not required, no_fraction),
         ("requirement_m_s", required and procedure in LIMITED, no_requirement),
-        ("half_width_m_s", half_width_m_s and required and procedure == "bayesian", other_end),
-        ("true_v50_m_s", true_v50_m_s and not simulate, f"{without}simulating"),
-        ("true_scatter_m_s", true_scatter_m_s and not simulate, f"{without}simulating"),
-        ("seed", seed and not simulate, f"{without}simulating"),
-        ("true_v50_m_s", simulate and true_scatter_m_s and not true_v50_m_s, BOTH),
-        ("true_scatter_m_s", simulate and true_v50_m_s and not true_scatter_m_s, BOTH),
+        ("half_width_m_s", half_width_m_s and required and is_bayesian, other_end),
         ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
     ]
     refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
-    if earlier:
-        firings = [(firing.velocities_m_s, firing.complete) for firing in earlier]
-        scatter_percent, scatter_factor = pooled_scatter(firings, scatter_percent, scatter_factor)
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
-    model_error = None if limit is None else limit.model_error
+    model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
-    if prior and model_error is None:
-        if scenario is None:
-            raise mistake("plan_shots", "prior", "must be given with a scenario")
-        raise no_prior(scenario)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
         message = f"must not be given with {procedure} where the model error is known"
         raise mistake("plan_shots", "limits_m_s", message)
@@ -324,46 +256,28 @@ def plan_shots(
     settings = ShotSettings(
         prior=expectation,
         limits_m_s=limits or (-inf, inf),
-        velocity_max_m_s=velocity_max_m_s,
         half_width_m_s=half_width_m_s,
         confidence=confidence,
         requirement_m_s=requirement_m_s,
         requirement_fraction=requirement_fraction,
-        by_prior=prior,
     )
-    rule, fired = procedures.PROCEDURES[procedure], shots
-    if simulate:
-        truth = (true_v50_m_s, true_scatter_m_s) if true_v50_m_s and true_scatter_m_s else None
-        fired, (true_v50_m_s, true_scatter_m_s) = simulate_firing(shots, rule, settings, truth, seed, on_progress)
-    end_reason = rule.ended(fired, settings)
-    aim = None if end_reason else _aim(rule, fired, settings)
+    rule = procedures.PROCEDURES[procedure]
+    end_reason = rule.ended(shots, settings)
+    aim = None if end_reason else rule.aim(shots, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
-    posterior_of_v50 = posterior_of(expectation, fired.velocities_m_s, fired.complete)
+    posterior_of_v50 = posterior_of(expectation, shots.velocities_m_s, shots.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
-    is_bayesian = procedure == "bayesian"
     operates = is_bayesian and not shots.complete
-    requirement = _requirement(fired, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
+    requirement = _requirement(shots, settings, posterior_of_v50, ended=bool(end_reason), operates=operates)
     if end_reason and required and not is_bayesian:
         end_reason += f"; the requirement is {requirement['decision']}"
-    further, further_90 = procedures.expected_shots(fired, settings) if is_bayesian and aim else (None, None)
-    doubts = (
-        *(fired.read.warnings if fired.read else ()),
-        *_far_shots(shots, expectation, limit),
-        *v50.swapped_note(shots),
-        *contradictions,
-        *(procedures.langlie_doubts(fired, settings) if procedure == "langlie" and aim else ()),
-        *([NOT_ENDED] if simulate and aim else ()),
-        *(_too_slow(settings, estimate) if aim else ()),
-    )
     return ShotPlan(
         procedure=procedure,
-        fired=fired,
-        simulated=len(fired.complete) - len(shots.complete),
+        fired=shots,
         next_velocity_m_s=None if aim is None else aimed(aim.velocity_m_s),
-        reason="" if aim is None else aim.why + _why_outside(aim.velocity_m_s, fired) * (is_bayesian and not required),
+        reason="" if aim is None else aim.why,
         stopped=end_reason,
-        expected_shots=further,
-        expected_shots_90=further_90,
+        expected_shots=procedures.expected_shots(shots, settings) if is_bayesian and aim else None,
         confidence=confidence,
         half_width_m_s=half_width_m_s,
         requirement_m_s=requirement_m_s,
@@ -372,24 +286,18 @@ def plan_shots(
         prior=prior_estimate,
         posterior=estimate,
         prior_share=prior_share,
-        recommended=None if is_bayesian else procedures.recommended_fit(fired, confidence),
-        mean=procedures.mean_of(fired) if procedure == "up-and-down" else None,
-        model_ballistic_limit_m_s=None if limit is None else limit.ballistic_limit_m_s,
+        recommended=None if is_bayesian else procedures.recommended_fit(shots, confidence),
+        mean=procedures.mean_of(shots) if procedure == "up-and-down" else None,
+        model_ballistic_limit_m_s=limit.ballistic_limit_m_s if limit else None,
         model_error=model_error,
         expected_from=expectation.error.source,
-        true_v50_m_s=true_v50_m_s,
-        true_scatter_m_s=true_scatter_m_s,
-        curve=_curve(prior_of_v50, posterior_of_v50, fired),
+        curve=_curve(prior_of_v50, posterior_of_v50, shots),
         contradicts_prior=bool(contradictions),
         **requirement,
-        earlier=len(earlier),
         scatter_percent=scatter_percent,
         scatter_factor=scatter_factor,
-        notes=(
-            *map(Note, doubts),
-            *(() if limit is None else limit.notes),
-        ),
-    ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {fired.file}", scenario=scenario)
+        notes=(*map(Note, (*v50.doubts(shots, limit), *contradictions)), *(limit.notes if limit else ())),
+    ).of(scenario.subject(ANY_VELOCITY) if scenario else f"V50 of {shots.file}", scenario=scenario)
 
 
 def _expected_v50(
@@ -419,41 +327,6 @@ def _expected_v50(
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 
 
-def simulate_firing(
-    fired: Shots,
-    rule: Rule,
-    settings: ShotSettings,
-    truth: tuple[float, float] | None,
-    seed: int,
-    on_progress: OnProgress,
-) -> tuple[Shots, tuple[float, float]]:
-    """Simulate the rest of a firing by a rule; return all shots, and the true V50 and scatter, m/s.
-
-    `truth` is the true V50 and scatter, m/s; without it, both are drawn from the posterior.  Each shot perforates if it
-    is faster than a limit of its own, drawn from a normal distribution about the true V50.
-    """
-    dice = np.random.default_rng(seed)
-    if truth is None:
-        likely = posterior_of(settings.prior, fired.velocities_m_s, fired.complete)
-        point = dice.choice(len(likely.weights), p=likely.weights)
-        truth = likely.grid.v50_m_s[point].item(), likely.grid.scatter_m_s[point].item()
-    for limit in dice.normal(*truth, MAX_SIMULATED):
-        if rule.ended(fired, settings):
-            break
-        velocity = aimed(_aim(rule, fired, settings).velocity_m_s)
-        fired = added(fired, velocity, bool(limit < velocity))
-        on_progress(1, None)
-    return fired, truth
-
-
-def _aim(rule: Rule, fired: Shots, settings: ShotSettings) -> Aim:
-    """Return the next velocity by a rule, but at most the greatest that can be fired."""
-    aim, greatest = rule.aim(fired, settings), settings.velocity_max_m_s
-    if aim.velocity_m_s <= greatest:
-        return aim
-    return Aim(greatest, f"{aim.why}; not {aim.velocity_m_s:.1f} m/s, as the greatest velocity is {greatest:g} m/s")
-
-
 def _requirement(
     fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, ended: bool, operates: bool
 ) -> dict[str, Any]:
@@ -461,34 +334,20 @@ def _requirement(
 
     `ended` tells whether the firing has ended, so that nothing more will decide.
     """
-    if settings.requirement_m_s is None:
+    if (demand := settings.demand()) is None or settings.requirement_m_s is None:
         return {"probability_met": None}
-    current = procedures.posterior(fired, settings)
-    [decision] = procedures.decisions(current.weights[None], current.grid, settings)
-    evidence: dict[str, float] = {}
-    if demand := settings.demand():
-        [(met, not_met)] = demand.ratios(current.weights[None]).tolist()
-        risk = 1.0 - settings.confidence
-        evidence = {"evidence_met": met, "evidence_not_met": not_met, "consumers_risk": risk, "producers_risk": risk}
+    weights, risk = procedures.posterior(fired, settings).weights[None], 1.0 - settings.confidence
+    [decision] = demand.decisions(weights, settings.confidence)
+    [(met, not_met)] = demand.ratios(weights).tolist()
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
         "decision": ("not decided" if ended else "", "met", "not met")[decision],
         "operating_characteristic": procedures.operating_characteristic(settings) if operates else (),
-        **evidence,
+        "evidence_met": met,
+        "evidence_not_met": not_met,
+        "consumers_risk": risk,
+        "producers_risk": risk,
     }
-
-
-def _why_outside(velocity_m_s: float, fired: Shots) -> str:
-    """Return why a velocity lies outside the range of the shots; "" if it does not, or without shots of both kinds."""
-    partial, complete = fired.of(complete=False), fired.of(complete=True)
-    velocities = sorted(fired.velocities_m_s)
-    if not partial or not complete or velocities[0] <= velocity_m_s <= velocities[-1]:
-        return ""
-    side, result = ("faster", "partial") if velocity_m_s > velocities[-1] else ("slower", "complete")
-    why = "so few shots leave it open whether V50 lies beyond them"
-    if partial[-1] > complete[0]:
-        why = "the results overlap, so that the scatter may be large, and near V50 either result is likely"
-    return f"; {side} than every shot so far, because {why}: here a {result} penetration would move V50 far"
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
@@ -499,28 +358,6 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     probability = expected(posterior.grid.response(velocities), posterior.weights)
     columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
-
-
-def _far_shots(shots: Shots, prior: FiringPrior, limit: LimitResult | None) -> Iterator[str]:
-    """Yield a warning if shots seem to be in ft/s, or are far from any V50 that the prior expects."""
-    low, high = limits_of(prior, FAR_PROBABILITY)
-    margin = FAR_PART * prior.limit_m_s
-    note = feet_note(median(shots.velocities_m_s), limit.ballistic_limit_m_s) if limit and shots.velocities_m_s else ""
-    if note:
-        yield note
-    elif far := [f"{v:g}" for v in shots.velocities_m_s if not low - margin <= v <= high + margin]:
-        yield (
-            f"shots at {', '.join(far[:5])} m/s are far from the {100.0 * FAR_PROBABILITY:g} % interval of V50 by the "
-            f"model, {low:.0f} to {high:.0f} m/s; check their velocities and unit"
-        )
-
-
-def _too_slow(settings: ShotSettings, estimate: FiringEstimate) -> Iterator[str]:
-    """Yield a warning if the greatest velocity that can be fired is below the required one, or else below V50."""
-    required, greatest = settings.requirement_m_s, settings.velocity_max_m_s
-    sought, name = (estimate.v50_m_s, "V50 expected") if required is None else (required, "required velocity")
-    if greatest < sought:
-        yield f"the greatest velocity, {greatest:g} m/s, is below the {name}, {sought:.0f} m/s: the firing may not end"
 
 
 def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:

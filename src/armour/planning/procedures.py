@@ -1,15 +1,14 @@
 """Choose the velocities of a V50 firing and end it: up and down, Langlie's, Neyer's and the Bayesian procedure.
 
-Whether a requirement is met is decided from the shots alone, at stated risks, or with the prior.
+Whether a requirement is met is decided from the shots alone, at stated risks.
 
-The Bayesian procedure fires the shot that is expected to say most about a target, given the model's limit and its
-error.  The target is V50 or, with a requirement, whether the requirement is met: whether the velocity at which a given
-fraction of shots perforate exceeds the required velocity.  The gain of a shot is the expected reduction of the variance
-of the target by its result, Cov(target, result)^2 / Var(result) over the posterior.  If the shots alone decide on the
-requirement, it is the expected increase of the logarithm of the likelihood ratio that decides.
+The Bayesian procedure fires the shot that is expected to say most about V50, given the model's limit and its error.
+The gain of a shot is the expected reduction of the variance of V50 by its result, Cov(V50, result)^2 / Var(result) over
+the posterior.  With a requirement, that the velocity at which a given fraction of shots perforate exceeds the required
+velocity, it is the expected increase of the logarithm of the likelihood ratio that decides.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import copysign, inf, isfinite, log
 from typing import NamedTuple
@@ -26,7 +25,6 @@ from armour.statistics.posterior import (
     Posterior,
     V50Grid,
     expected,
-    is_above,
     normalised,
     posterior_of,
 )
@@ -69,6 +67,11 @@ class Demand(NamedTuple):
         edge = weights[:, self.met == 0.5].max(axis=1) / EDGE_WEIGHT
         sides = np.column_stack([weights @ (self.met == 1.0), weights @ (self.met == 0.0)])
         return 2.0 * sides / np.maximum(edge, 1e-290)[:, None]
+
+    def decisions(self, weights: Floats, confidence: float) -> Ints:
+        """Return 1 if the requirement is met, -1 if not and 0 if undecided, (n,), by n distributions, (n, points)."""
+        accepted, rejected = (self.ratios(weights) * (1.0 - confidence) >= 1.0).T
+        return accepted.astype(int) - rejected
 
     def gains(self, weights: Floats, response: Floats) -> Floats:
         """Return the expected increase of the logarithm of the evidence for the true side, up to a constant, (n, m).
@@ -113,8 +116,6 @@ class ShotSettings(NamedTuple):
     confidence: float = 0.95
     requirement_m_s: float | None = None
     requirement_fraction: float = 0.5  # of shots that may perforate at the required velocity
-    by_prior: bool = False  # whether the decision on a requirement includes the prior
-    velocity_max_m_s: float = MAX_VELOCITY_M_S  # greatest that can be fired
 
     @property
     def scatter_m_s(self) -> float:
@@ -122,8 +123,8 @@ class ShotSettings(NamedTuple):
         return self.prior.limit_m_s * self.prior.scatter_percent / 100.0
 
     def demand(self) -> Demand | None:
-        """Return the curves for the requirement, if there is one and it is decided from shots alone; otherwise None."""
-        if self.requirement_m_s is None or self.by_prior:
+        """Return the curves for the requirement, if there is one; otherwise None."""
+        if self.requirement_m_s is None:
             return None
         return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.prior.scatter_factor)
 
@@ -195,11 +196,6 @@ def mean_of(shots: Shots) -> MeanV50 | None:
     return mean_v50(partial, complete, OF_EACH_KIND) if partial and complete else None
 
 
-# A limit is in doubt if the last ALIKE results are the same and the next velocity is near it: within the fraction NEAR
-# of the distance between the limits.
-ALIKE, NEAR = 5, 0.02
-
-
 def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
     """Return the velocity of the next shot by Langlie's one-shot test [Langlie1962].
 
@@ -221,21 +217,6 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
             return Aim(0.5 * (last + velocities[number - 1]), reason)
     end, name = (lower, "lower") if shots.complete[-1] else (upper, "upper")
     return Aim(0.5 * (last + end), f"midway between the last shot and the {name} limit, {end:.1f} m/s")
-
-
-def langlie_doubts(shots: Shots, settings: ShotSettings) -> Iterator[str]:
-    """Yield a warning if the next velocity lies outside the limits, and if the last shots have approached a limit."""
-    lower, upper = settings.limits_m_s
-    velocity, last_results = next_by_langlie(shots, settings).velocity_m_s, shots.complete[-ALIKE:]
-    if not lower <= velocity <= upper:
-        yield f"the next velocity, {velocity:.1f} m/s, is outside the limits, {lower:.1f} to {upper:.1f} m/s"
-    end, name = (lower, "lower") if shots.complete and last_results[-1] else (upper, "upper")
-    if len(last_results) == ALIKE and len({*last_results}) == 1 and abs(velocity - end) < NEAR * (upper - lower):
-        kind = "complete" if last_results[-1] else "partial"
-        yield (
-            f"the last {ALIKE} shots, all {kind}, have reached the {name} limit, {end:.1f} m/s: V50 may lie beyond it; "
-            "give other limits"
-        )
 
 
 # Velocities at which the gain in information is computed, in scatters above V50.
@@ -313,15 +294,13 @@ CANDIDATES, TAIL, WIDE_TAIL, SCATTERS, AROUND = 101, 1e-3, 0.025, 2.0, 4.0
 # Simulated continuations of the firing, to estimate the number of further shots: number of continuations, nodes of
 # their grid, number of velocities examined, and greatest number of shots in each.
 FUTURES, FUTURE_NODES, FUTURE_CANDIDATES, MOST_SHOTS = 40, (401, 11), 61, 100
-# Another confidence for which the number of shots is estimated.
-OTHER_CONFIDENCE = 0.9
 # Operating characteristic: simulated firings at each of its armours, and the distances, in scatters, of the velocity in
 # question from the required velocity.
 FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = GRID_NODES) -> Posterior:
-    """Return the posterior given the shots or, if a requirement is decided from them alone, the weighted curves."""
+    """Return the posterior given the shots or, with a requirement, its curves with their probabilities."""
     if demand := settings.demand():
         return demand.posterior(shots.velocities_m_s, shots.complete)
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
@@ -335,7 +314,7 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
     for _ in range(2):
         velocity_gains = gains(current.weights[None], current.grid, settings, current.grid.response(velocities))[0]
         best = float(velocities[np.argmax(velocity_gains)])
-        velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, settings.velocity_max_m_s)
+        velocities = np.clip(np.linspace(best - step, best + step, 21), MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     if settings.requirement_m_s is not None:
         return Aim(best, "expected to be most informative about whether the requirement is met")
     variance = current.variance(current.grid.v50_m_s)
@@ -346,50 +325,29 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
 
 def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
     """Return why the firing ends: a decision on the requirement or a narrow interval of V50; "" if it continues."""
-    current = posterior(shots, settings)
-    if settings.requirement_m_s is None:
+    current, demand = posterior(shots, settings), settings.demand()
+    if demand is None:
         return narrow_enough(current.estimate(settings.confidence).v50_interval_m_s, settings)
-    [decision] = decisions(current.weights[None], current.grid, settings)
+    [decision] = demand.decisions(current.weights[None], settings.confidence)
     if decision == 0:
         return ""
-    answer = f"the requirement is {'met' if decision > 0 else 'not met'}"
-    if settings.by_prior:
-        return f"{answer} with a probability of {100.0 * settings.confidence:g} % or more"
-    side = "consumer" if decision > 0 else "producer"
-    return f"{answer}, at a {side}'s risk of at most {100.0 * (1.0 - settings.confidence):.4g} %"
-
-
-def decisions(weights: Floats, grid: V50Grid, settings: ShotSettings) -> Ints:
-    """Return 1 if the requirement is met, -1 if not and 0 if undecided, (n,), by n distributions, (n, points)."""
-    if demand := settings.demand():
-        accepted, rejected = (demand.ratios(weights) * (1.0 - settings.confidence) >= 1.0).T
-    else:
-        met = expected(target(grid, settings), weights)
-        accepted, rejected = met >= settings.confidence, met <= 1.0 - settings.confidence
-    return accepted.astype(int) - rejected
-
-
-def target(grid: V50Grid, settings: ShotSettings) -> Floats:
-    """Return the target at the points of a grid, (points,): V50, m/s, or 1 if the requirement is met and 0 if not."""
-    if settings.requirement_m_s is None:
-        return grid.v50_m_s
-    return is_above(grid, settings.requirement_m_s, settings.requirement_fraction)
+    answer, side = ("met", "consumer") if decision > 0 else ("not met", "producer")
+    return f"the requirement is {answer}, at a {side}'s risk of at most {100.0 * (1.0 - settings.confidence):.4g} %"
 
 
 def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floats) -> Floats:
-    """Return what a shot at each of m velocities is expected to say about the target, (n, m).
+    """Return what a shot at each of m velocities is expected to say about V50 or the requirement, (n, m).
 
-    It is the expected reduction of the variance of the target or, if shots alone decide on a requirement, the gain of
-    `Demand.gains`.  `weights`, (n, points), are n distributions over the points of the grid; `response`, (m, points),
-    is the probability of complete penetration at each velocity.
+    It is the expected reduction of the variance of V50 or, with a requirement, the gain of `Demand.gains`.  `weights`,
+    (n, points), are n distributions over the points of the grid; `response`, (m, points), is the probability of
+    complete penetration at each velocity.
     """
     if demand := settings.demand():
         return demand.gains(weights, response)
-    values = target(grid, settings)
     # Unlike matrix products, these do not depend on the number of threads, as no grid has more than 10,000 points.
     probability = np.vecdot(weights[:, None], response).clip(1e-12, 1.0 - 1e-12)
-    mean = expected(values, weights)
-    covariance = np.vecdot((weights * (values - mean[:, None]))[:, None], response)
+    mean = expected(grid.v50_m_s, weights)
+    covariance = np.vecdot((weights * (grid.v50_m_s - mean[:, None]))[:, None], response)
     return covariance**2 / (probability * (1.0 - probability))
 
 
@@ -397,7 +355,7 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
     """Return `count` evenly spaced velocities to choose the next one from, m/s."""
     greatest = settings.scatter_m_s * settings.prior.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
-    if settings.demand():
+    if settings.requirement_m_s is not None:
         low = high = settings.requirement_m_s
         reach = AROUND * min(scatter, greatest)
     else:
@@ -405,7 +363,7 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
         tail = TAIL if scatter <= greatest else WIDE_TAIL
         low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
         reach = SCATTERS * min(scatter, greatest)
-    low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, settings.velocity_max_m_s)
+    low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     return np.linspace(low, high, count)
 
 
@@ -432,16 +390,16 @@ class Firings:
         """Return the ends of the interval of V50 of each firing, m/s, (n, 2)."""
         return self.grid.v50_quantiles(self.weights, (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence))
 
-    def ended(self, confidence: float) -> Ints:
-        """Return how each firing stands, (n,), at a confidence.
+    def ended(self) -> Ints:
+        """Return how each firing stands, (n,).
 
         1 is the end with the requirement met or with a narrow interval of V50, -1 the end with the requirement not met;
         0 is no end yet.
         """
-        settings = self.settings._replace(confidence=confidence)
-        if settings.requirement_m_s is not None:
-            return decisions(self.weights, self.grid, settings)
-        low, high = self.intervals(confidence).T
+        settings = self.settings
+        if demand := settings.demand():
+            return demand.decisions(self.weights, settings.confidence)
+        low, high = self.intervals(settings.confidence).T
         return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
     def keep(self, kept: Bools) -> None:
@@ -451,21 +409,18 @@ class Firings:
 
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
-) -> tuple[Floats, Ints, Floats]:
+) -> tuple[Floats, Ints]:
     """Simulate `firings`, one at each of n armours with a true V50 and scatter, m/s, (n,).
 
     Stop when fewer than `least` of them continue.  Return the number of shots of each at its end, (n,), infinite
-    without an end; how it ended, (n,), as by `Firings.ended`; and the number of shots at which it would have ended with
-    a confidence of 90 %, (n,).
+    without an end; and how it ended, (n,), as by `Firings.ended`.
     """
-    shots, shots_90 = np.full((2, len(v50_m_s)), inf)
+    shots = np.full(len(v50_m_s), inf)
     ended = np.zeros(len(v50_m_s), dtype=int)
     active = np.arange(len(v50_m_s))
     for number in range(MOST_SHOTS + 1):
-        ended[active] = firings.ended(firings.settings.confidence)
+        ended[active] = firings.ended()
         shots[active[ended[active] != 0]] = number
-        ended_90 = active[firings.ended(OTHER_CONFIDENCE) != 0]
-        shots_90[ended_90] = np.minimum(shots_90[ended_90], number)
         continues = ended[active] == 0
         active = active[continues]
         if len(active) < least:
@@ -473,14 +428,11 @@ def fire(
         firings.keep(continues)
         velocities = firings.aims()
         firings.add(velocities, dice.normal(v50_m_s[active], scatter_m_s[active]) < velocities)
-    return shots, ended, shots_90
+    return shots, ended
 
 
-def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, float | None]:
-    """Return the median number of further shots in simulated continuations, and this number for a confidence of 90 %.
-
-    A number is None if it exceeds MOST_SHOTS; the second is None also if the confidence asked for is at most 90 %.
-    """
+def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
+    """Return the median number of further shots in simulated continuations; None if it exceeds MOST_SHOTS."""
     current = posterior(shots, settings, FUTURE_NODES)
     # Even if the decision does not use the prior, the prior predicts the number of shots.
     prediction = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES)
@@ -489,8 +441,8 @@ def expected_shots(shots: Shots, settings: ShotSettings) -> tuple[float | None, 
     v50, scatter = prediction.grid.v50_m_s[points], prediction.grid.scatter_m_s[points]
     # The median is known once half of the firings have ended.
     firings = Firings(current, settings, FUTURES, FUTURE_CANDIDATES)
-    further, _, further_90 = fire(firings, v50, scatter, dice, least=FUTURES // 2)
-    return _median(further), _median(further_90) if settings.confidence > OTHER_CONFIDENCE else None
+    further, _ = fire(firings, v50, scatter, dice, least=FUTURES // 2)
+    return _median(further)
 
 
 def _median(shots: Floats) -> float | None:
@@ -528,7 +480,7 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     true_v50 = v50_at_edge + scatter * np.array(DISTANCES)
     armours = np.repeat(true_v50, FIRINGS)
     firings = Firings(current, settings, len(armours), FUTURE_CANDIDATES)
-    shots, ended, _ = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
+    shots, ended = fire(firings, armours, np.full(len(armours), scatter), np.random.default_rng(0))
     outcomes = zip(true_v50.tolist(), shots.reshape(-1, FIRINGS), ended.reshape(-1, FIRINGS), strict=True)
     return tuple(
         OperatingPoint(v50, scatter, float((ends > 0).mean()), float((ends < 0).mean()), _median(numbers))

@@ -1,45 +1,19 @@
 """Add a shot to the file of a firing, or take the last one back."""
 
 import csv
-import os
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from io import StringIO
 from itertools import chain
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 from armour.columns import GROUPS, OUTCOME_WORDS, PAIRS, Column, columns_of, letters, perforates
-from armour.csv_files import SEPARATORS, Source, decimal_mark, open_table, places_of, read_rows
+from armour.csv_files import Source, decimal_mark, open_table, places_of, read_rows
 from armour.errors import mistake
-from armour.files import reason
-from armour.statistics.v50 import SHOTS, TARGET, Shots, is_of_shots
+from armour.statistics.v50 import SHOTS, TARGET, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
-# Time to wait for other commands that are adding shots to the same file; each command takes a second or two.
-WAIT_S = 120.0
 # Most digits of a name that counts as the number of a shot.
 MOST_DIGITS = 15
-
-
-@contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Keep other commands from adding a shot to a file, by a lock file beside it.
-
-    The file itself cannot be the lock, as it is replaced.
-    """
-    target = Path(os.path.realpath(path))
-    lock = FileLock(target.with_name(f".{target.name}.lock"), timeout=WAIT_S)
-    try:
-        held = lock.acquire()
-    except Timeout:
-        message = f"cannot be written: other commands have been adding shots to it for {WAIT_S:.0f} s"
-        raise mistake(path, "", message) from None
-    except OSError as error:
-        raise mistake(lock.lock_file, "", f"cannot be locked: {reason(error)}") from None
-    with held:
-        yield
 
 
 def content_of(path: Path) -> bytes | None:
@@ -73,17 +47,16 @@ def with_shot(
         elif column.known and column.counts:
             row[place] = _spelt(True, "no" if column.yes is False else "yes", cells, column)
         elif column.known and column.key == "velocity_m_s":
-            usual = "," if "semicolons" in source.form else "."
-            mark = decimal_mark(cells, column, source.form) if {",", "."} & {*"".join(cells)} else usual
+            usual = "," if source.separator == ";" else "."
+            mark = decimal_mark(cells, column, source.separator) if {",", "."} & {*"".join(cells)} else usual
             row[place] = _number(velocity_m_s, column.factor).replace(".", mark or ".")
     for name, value in (where or {}).items():
         for place in places_of(source, columns, name):
             row[place] = value
-    encoding = _utf16(content) or ("cp1252" if "Windows-1252" in source.form else "utf-8")
+    encoding = source.encoding
     end = "\r\n" if "\r\n".encode(encoding) in content else "\n"
-    separator = next(mark for mark, name in SEPARATORS.items() if name in source.form)
     line = StringIO()
-    csv.writer(line, delimiter=separator, lineterminator=end).writerow(row)
+    csv.writer(line, delimiter=source.separator, lineterminator=end).writerow(row)
     begun = "" if content.endswith("\n".encode(encoding)) else end
     return content + (begun + line.getvalue()).encode(encoding)
 
@@ -96,8 +69,9 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
     source.refuse()
     if not rows:
         raise mistake(path, "", "must have a shot to take back, found none")
-    encoding = _utf16(content) or "utf-8"
-    errors = "surrogateescape" if encoding == "utf-8" else "strict"
+    # Lines that are not UTF-8 stay as they are.
+    is_utf16 = source.encoding.startswith("utf-16")
+    encoding, errors = (source.encoding, "strict") if is_utf16 else ("utf-8", "surrogateescape")
     lines = [*StringIO(content.decode(encoding, errors), newline="")]
     taken = lines.pop(int(rows[-1].place.removeprefix("line ")) - 1)
     return "".join(lines).encode(encoding, errors), f"{rows[-1].place}, {taken.strip()}"
@@ -106,14 +80,9 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
 def _csv_source(path: Path, content: bytes) -> Source:
     """Open a file of shots that is to be changed; refuse any other than CSV."""
     source = open_table(path, is_of_shots, content=content)
-    if source.form[:1] not in (["commas"], ["semicolons"], ["tabs"]):
+    if not source.separator:
         raise mistake(path, "", "must be a CSV file for a shot to be added or taken back")
     return source
-
-
-def _utf16(content: bytes) -> str | None:
-    """Return the encoding of a file that begins with the mark of UTF-16; None for any other file."""
-    return {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2])
 
 
 def _number(velocity_m_s: float, factor: float) -> str:
@@ -143,9 +112,3 @@ def next_name(names: Sequence[str], count: int) -> str:
     """Return the name of the next shot: the greatest number among the names, or else the number of shots, plus 1."""
     numbers = (int(name) for name in names if name.isdecimal() and len(name) <= MOST_DIGITS)
     return str(max(numbers, default=count) + 1)
-
-
-def added(shots: Shots, velocity_m_s: float, complete: bool) -> Shots:
-    """Return shots with one more, named if the others are."""
-    names = (*shots.names, next_name(shots.names, len(shots.complete))) if shots.names else ()
-    return Shots((*shots.velocities_m_s, velocity_m_s), (*shots.complete, complete), shots.file, names)

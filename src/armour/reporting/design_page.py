@@ -16,12 +16,13 @@ from armour.analysis.variants import Floats, Variants
 from armour.core.state import Parameters
 from armour.design.catalogue import COST_COLUMN, Catalogue, catalogue_of
 from armour.design.check import USUAL_PROBABILITY
-from armour.design.map import DesignMap, design_map, limits_over_sources, with_known_edges
+from armour.design.map import DesignMap, design_map, with_known_edges
 from armour.design.requirements import VERDICTS, Requirement
 from armour.errors import InputError, Problem
 from armour.evidence.caveats import is_limit_too_low
 from armour.evidence.tests import LAYERS, LEAST_SOURCES, against_each, limits_of_model, what_was_tested
 from armour.reporting.formats import TEMPLATES, rendered
+from armour.reporting.table import sentence
 from armour.reporting.views.design import METALS, verdict_word
 from armour.reporting.words import requirement_words
 from armour.scenario.scenario import Scenario
@@ -83,7 +84,7 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
     return {
         "verdicts": list(map(verdict_word, VERDICTS)),
         "usual": USUAL_PROBABILITY,
-        "probability": section.required_probability,
+        "probability": section.probability_of_stopping,
         "most": section.areal_density_max_kg_m2,
         "thickest": section.thickness_max_mm,
         "limited": section.cost_max_per_m2 is not None,
@@ -206,21 +207,18 @@ def _pair(
     # A slider of the page limits the areal density, so it excludes no design here.
     massless = designs.candidates._replace(areal_density_kg_m2=np.zeros(len(designs.candidates.pair)))
     violations = catalogue.violations(massless)
-    densities = {"ceramic": offer.ceramic.density_kg_m3, "backing": offer.backing.density_kg_m3}
     counts, density = catalogue.scenario.counts_backing, offer.backing_density_kg_m3
     return {
         "ceramic": offer.ceramic.material,
         "backing": offer.backing.material,
         "densities": [offer.ceramic_density_kg_m3, density * counts],
         "hull": "" if counts else density * float(backings[0]) * MM,
-        "changes": [f"{layer}.density_kg_m3={each:.17g}" for layer, each in densities.items() if each is not None],
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
         "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
-        "over": _over_sources(catalogue, designs),
         "tested": [_tested(catalogue, designs, tiled=tiled) for tiled in (False, True)],
         **_caveats(catalogue, designs),
         **_numbers(designs),
@@ -297,21 +295,9 @@ def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
     if len({offer.backing.material for offer in catalogue.offers}) > 1 and ceramic_mm.any():
         notes.append((METALS, float(ceramic_mm.max())))
     return {
-        "caveats": [(f"{words[:1].upper()}{words[1:]}.", most_mm) for words, most_mm in notes],
+        "caveats": [(sentence(words), most_mm) for words, most_mm in notes],
         "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
     }
-
-
-def _over_sources(catalogue: Catalogue, designs: DesignMap) -> list[list[float]] | None:
-    """Return two lists of ballistic limits, m/s: with the least and with the greatest flow stress that sources give.
-
-    Each list has the limits of the first design against all threats, then those of the second, and so on.  Return None
-    if no sources are given, and if both thicknesses vary, as the limits would take too much room.
-    """
-    if min(len(designs.ceramic_mm), len(designs.backing_mm)) > 1:
-        return None
-    limits = limits_over_sources(catalogue, designs)
-    return None if limits is None else [limits[place].ravel().round(1).tolist() for place in (0, -1)]
 
 
 def _places(nodes: Floats, layer: Layer) -> list[int]:

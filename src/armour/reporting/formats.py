@@ -1,27 +1,24 @@
 """Format reports as HTML, one self-contained page without scripts, and reports and tables as Markdown.
 
-Pictures in HTML are SVG.  They follow the colours of the page and show the values of points on hover.
+Pictures in HTML are SVG, which follow the colours of the page.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
-import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
 from armour.files import printable
 from armour.reporting.report import Report
-from armour.reporting.table import Table, number, printable_lines, unbroken
+from armour.reporting.table import Table, printable_lines, unbroken
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from armour.reporting.pictures.drawing import Picture, Points, Sheet
+    from armour.reporting.pictures.drawing import Picture, Sheet
 
 REPORT_ENDINGS = (".html", ".md")
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
@@ -29,8 +26,6 @@ TEMPLATES = Path(__file__).parent / "templates"
 WIDTH_INCHES, POINTS_PER_INCH = 4.2, 72
 # Colours of pictures, and the variables of the style sheet that replace them, so that pictures follow the theme.
 THEME = {"#16191c": "var(--ink)", "#6a7178": "var(--soft)", "#0072b2": "var(--blue)", "#ffffff": "var(--paper)"}
-# Radius around a point within which a pointer shows its values, in points (1/72 inch).
-RADIUS = 6.0
 
 
 def _safe_text(text: str) -> str:
@@ -80,7 +75,7 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
     `name` is a prefix of the element's identifiers, different for every picture of a page.
     """
     # Imported here, as it is slow, and not every page has pictures.
-    from armour.reporting.pictures.drawing import Points, saved
+    from armour.reporting.pictures.drawing import saved
 
     figure = picture.figure
     figure.set_dpi(POINTS_PER_INCH)
@@ -93,41 +88,9 @@ def inline_svg(picture: "Picture", label: str, name: str) -> str:
     for size in ("width", "height"):
         del root.attrib[size]
     root.attrib |= {"role": "group", "aria-label": printable_lines(label)}
-    for axes in picture.axes:
-        for line in axes.lines:
-            if isinstance(line, Points):
-                root.extend(list(_hover_circles(axes, line, float(figure.bbox.height))))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return ElementTree.tostring(root, encoding="unicode")
-
-
-def _hover_circles(axes: "Axes", line: "Points", height: float) -> Iterator[ElementTree.Element]:
-    """Yield a transparent circle for each point of a line within the axes, which shows its words or values on hover.
-
-    `height` is that of the figure, in points of 1/72 inch.
-    """
-    window = axes.bbox.padded(1.0)
-    for index, (x, y) in enumerate(np.asarray(line.get_xydata(), float).tolist()):
-        across, up = axes.transData.transform((x, y)).tolist()
-        if window.contains(across, up):
-            words = line.words[index] if line.words else _hover_text(axes, line, x, y)
-            place = {"cx": f"{across:.1f}", "cy": f"{height - up:.1f}", "r": f"{RADIUS:g}"}
-            circle = ElementTree.Element("circle", {"class": "point", **place})
-            ElementTree.SubElement(circle, "title").text = printable_lines(words)
-            yield circle
-
-
-def _hover_text(axes: "Axes", line: "Points", x: float, y: float) -> str:
-    """Return the text on hover of a point: names and values of x and y, each on a line.
-
-    In a panel with a row for each name, the name of the row stands for y.
-    """
-    name, up, rows = str(line.get_label()), axes.get_ylabel(), axes.get_yticklabels()
-    row = rows[round(y)].get_text().replace("\n", " ") if rows and not up else ""
-    height = f"{up}: {number(y, '.4g')}" if up else row
-    words = ["" if name.startswith("_") else name, height, f"{axes.get_xlabel()}: {number(x, '.4g')}"]
-    return "\n".join(filter(None, words))
 
 
 def _adapted_attribute(key: str, value: str, name: str) -> str:

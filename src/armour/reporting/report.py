@@ -43,7 +43,7 @@ class Report:
     title: str
     lead: str  # the verdict; empty if there is none
     sections: tuple[ReportSection, ...]
-    facts: tuple[str, ...] = ()  # sentences in the box of the lead
+    facts: tuple[Table | str, ...] = ()  # what the lead rests on, in its box
     warnings: tuple[str, ...] = ()
     cross_section: Scenario | None = None  # its armour is drawn to scale
     passed: bool | None = None  # colours the lead; None for no colour

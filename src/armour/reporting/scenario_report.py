@@ -7,10 +7,10 @@ from typing import Any
 from armour import __version__
 from armour.analysis.ballistic_limit import ballistic_limit, not_monotonic
 from armour.analysis.impact import simulate
-from armour.analysis.results import OnProgress, Result, ignore_progress
+from armour.analysis.results import OnProgress, ignore_progress
 from armour.analysis.samples import misplaced
 from armour.design.catalogue import asks_for_design
-from armour.design.check import CheckedThreat, CheckResult, check, deciding
+from armour.design.check import CheckedThreat, check, deciding
 from armour.design.optimise import DesignResult, optimise
 from armour.errors import NoAnswerError, Note
 from armour.evidence.model_error import given_error
@@ -21,13 +21,10 @@ from armour.reporting.report import Report, ReportSection, origin_section, refer
 from armour.reporting.table import Column, Table, in_words
 from armour.reporting.views import design as design_view
 from armour.reporting.views.library import entry_table
-from armour.reporting.views.statistics import own_test_table
 from armour.scenario.inputs import INPUTS, NAMES, ROLES
 from armour.scenario.scenario import Scenario
-from armour.statistics.own_tests import predicted_tests
 from armour.statistics.sensitivity import sensitivity
 from armour.statistics.uncertainty import uncertainty
-from armour.validation.tested import nearest_measured
 
 # Assumptions of the model; docs/howto/confidence.md has more.
 ASSUMPTIONS = (
@@ -40,6 +37,7 @@ ASSUMPTIONS = (
     ("Probability", "based on the errors of the model on tests; the materials have the values listed here"),
     ("Use", "does not replace firing tests: do not rely on this report alone for anyone's protection"),
 )
+ONE_SHOT = "One shot, far from edges and joints; this report does not replace firing tests."
 
 
 def scenario_report(
@@ -48,12 +46,11 @@ def scenario_report(
     on_progress: OnProgress = ignore_progress,
     *,
     as_is: bool = False,
-    map_command: str = "",
 ) -> Report:
     """Compute a scenario and make the report on it.
 
     The armour reported is the best design if the scenario asks for one, unless `as_is` keeps its own armour.  `command`
-    makes the report, and `map_command`, if any, the interactive page of the designs; the report shows both.
+    makes the report, which shows it.
     """
 
     def on_part(done: int, _total: int | None) -> None:
@@ -71,19 +68,21 @@ def scenario_report(
         "The impact, stage by stage": simulate(answer, history=True),
         "Sensitivity to the inputs": _or_none(sensitivity, answer, on_part),
     }
-    several = len(checked.threats) > 1
-    lines = [*design_view.facts(checked)[:1] * several, *design_view.details(checked)]
+    also = "" if design is None else design_view.nearly_as_good(design)
+    facts = design_view.facts(checked, armour=armour.armour_words(), also=also)
     notes = (*(checked if design is None else design).notes, *(() if limit is None else not_monotonic(limit)))
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
-    designs = [] if design is None else [_designs(design, map_command)]
+    designs = []
+    if design is not None:
+        designs.append(section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title="")))
     sections = (
-        section_of("Threats", lines),
+        section_of("Threats", design_view.details(checked)),
         *_own_tests(answer),
         *designs,
         ReportSection("Assumptions and limits", notes=ASSUMPTIONS),
         ReportSection("References", notes=reference_notes(_sources(scenario, answer, threat))),
         *(
-            section_of(name, _tables(result), drawing_of(result, title=""))
+            section_of(name, by_result(tables_of, result)(result), drawing_of(result, title=""))
             for name, result in explaining.items()
             if result is not None
         ),
@@ -97,16 +96,10 @@ def scenario_report(
         passed={"passes": True, "expected to stop": None, "stopped by the model": None}.get(checked.verdict, False),
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,
-        facts=(*_facts(checked, threat, answer), *filter(None, [_which_armour(scenario, design)])),
+        facts=(*facts, ONE_SHOT, *filter(None, [_which_armour(scenario, design)])),
         warnings=tuple(map(_warning, notes)),
         cross_section=answer,
     )
-
-
-def _tables(result: Result) -> list[Table | str]:
-    """Return the tables of a result, and notes on them."""
-    tables: list[Table | str] = by_result(tables_of, result)(result)
-    return tables
 
 
 def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProgress) -> Any:
@@ -120,22 +113,6 @@ def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProg
         return None
 
 
-def _facts(checked: CheckResult, threat: CheckedThreat, answer: Scenario) -> Iterator[str]:
-    """Yield sentences on the armour, its limit and tests against the threat that decides, and on the use of these."""
-    yield f"{answer.armour_words()}, {design_view.amounts(checked)}."
-    against = f"Against {threat.threat}: limit" if len(checked.threats) > 1 else "Limit"
-    tests = design_view.tests_words(threat)
-    near = []
-    if (limit := threat.ballistic_limit_m_s) is not None:
-        near = [each for each in nearest_measured(answer, limit) if each.is_near(limit)]
-    basis = f"Tests: {tests}" if tests else f"Model error not known: {threat.reason}"
-    yield f"{against} {design_view.limit_words(threat)}. {basis}."
-    if threat.far_from_tests:
-        yield f"Far from the tests: {', '.join(threat.far_from_tests)}."
-    yield from (f"Tested near this limit: {each.armour}, {each.areal_density_kg_m2:.1f} kg/m²." for each in near[:1])
-    yield "One shot, far from edges and joints; this report does not replace firing tests."
-
-
 def _warning(note: Note) -> str:
     """Return a note with the name of its input instead of the key."""
     name = note.key.removeprefix("uncertainty.")
@@ -146,17 +123,12 @@ def _warning(note: Note) -> str:
 def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
     """Yield a section for each material of the armour with own tests, with their source."""
     for entry in filter(None, map(answer.entry_of, ("ceramic", "backing"))):
-        if entry.evidence is not None and (tests := predicted_tests(entry, entry.evidence)):
+        tests = next((value.tests for value in entry.values.values() if value.tests), [])
+        if entry.evidence is not None and tests:
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
-            yield ReportSection("Own tests", (source,), tables=(own_test_table(tests),))
-
-
-def _designs(design: DesignResult, map_command: str) -> ReportSection:
-    """Return the section with the map of the designs, and with what only the search knows."""
-    section = section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title=""))
-    hint = ("This command makes an interactive page of all designs:",) if map_command else ()
-    paragraphs = (*section.paragraphs, *hint)
-    return replace(section, paragraphs=paragraphs, code=map_command, language="console")
+            keys = dict.fromkeys(key for test in tests for key in test)
+            columns = ((Column.of(key), lambda test, key=key: test.get(key)) for key in keys)
+            yield ReportSection("Own tests", (source,), tables=(Table.of(tests, *columns),))
 
 
 def _sources(scenario: Scenario, answer: Scenario, threat: CheckedThreat) -> Iterator[str]:

@@ -1,9 +1,8 @@
 """Show results as figures, as reports and in notebooks."""
 
-from copy import copy
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from armour.analysis.results import OnProgress, Result, ignore_progress
 from armour.errors import mistake, refuse, restated
@@ -16,19 +15,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from armour.statistics.v50 import FiringResult, Shots
+    from armour.statistics.v50 import FiringResult
     from armour.validation.validate import SuiteResult
-
-# Keys of a scenario whose texts do not affect results.
-TEXTS = {"title", "author", "project", "date"}
 
 
 @usual_errors()
 def plot(
     result: Result,
-    scenario: "Scenario | None" = None,
     *,
-    shots: "Shots | None" = None,
     title: str | None = None,
     ax: "Axes | None" = None,
 ) -> "Figure":
@@ -39,13 +33,8 @@ def plot(
     Parameters
     ----------
     result : Result
-        An ImpactResult with its history, a SweepResult of one or two keys, or any LimitResult, Comparison,
-        DesignResult, CheckResult, SensitivityResult, UncertaintyResult, CalibrationResult, FiringResult,
-        ShotPlan or SuiteResult.
-    scenario : Scenario, optional
-        Scenario of the result, perhaps with another title.  Only a result that is made by hand needs it.
-    shots : Shots, optional
-        Shots of a V50.  Only a result that is made by hand needs them.
+        An ImpactResult with its history, a SweepResult of one or two keys, or any LimitResult, DesignResult,
+        CheckResult, SensitivityResult, UncertaintyResult, CalibrationResult, FiringResult, ShotPlan or SuiteResult.
     title : str, optional
         Title in place of the picture's own.
     ax : matplotlib.axes.Axes, optional
@@ -60,7 +49,7 @@ def plot(
     Raises
     ------
     InputError
-        If the result cannot be drawn, if what it needs is missing, or if the scenario or the shots are not its own.
+        If the result cannot be drawn.
 
     Examples
     --------
@@ -77,21 +66,8 @@ def plot(
 
     if not isinstance(ax, Axes | None):
         raise mistake("plot", "ax", f"must be axes of matplotlib, found {type(ax).__name__}")
-    question = result.question
-    if scenario is not None and "scenario" in question and not _gives_same_results(scenario, question["scenario"]):
-        raise mistake("plot", "scenario", "must be the scenario of the result, found another; it can be left out")
-    if shots is not None and shots != question.get("shots", shots):
-        raise mistake("plot", "shots", "must be the shots of the result, found others; they can be left out")
-    arguments: dict[str, Any] = {"scenario": scenario, "shots": shots}
-    result = copy(result).of(**{name: value for name, value in arguments.items() if value is not None})
     figure: Figure = drawn(drawing_of(result), Sheet(ax=ax), result.subject(), title=title).figure
     return figure
-
-
-def _gives_same_results(scenario: Scenario, other: Scenario) -> bool:
-    """Return whether two scenarios give the same results."""
-    sections, other_sections = (item.model_dump(exclude=TEXTS | {"library"}) for item in (scenario, other))
-    return sections == other_sections and scenario.inputs() == other.inputs()
 
 
 @usual_errors()

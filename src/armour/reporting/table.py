@@ -53,6 +53,11 @@ def wrapped(text: str, width: int) -> list[str]:
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in wrap(unbroken(text), width)]
 
 
+def sentence(words: str) -> str:
+    """Return words as a sentence, with a capital letter and a full stop."""
+    return f"{words[:1].upper()}{words[1:]}."
+
+
 def percent(part: float) -> str:
     """Format a fraction, such as a confidence level, in per cent: 0.95 gives "95 %"."""
     return f"{100.0 * part:g} %"
@@ -125,11 +130,6 @@ class Column:
         """Return the column of a quantity, input, key or attribute; label and format follow from `key` unless given."""
         words, unit = label_and_unit(key)
         return cls(label or words, unit, spec or (QUANTITIES[key].spec if key in QUANTITIES else ""), prose, key)
-
-    @classmethod
-    def of_each(cls, **specs: str) -> list[Self]:
-        """Return a column for each keyword, an attribute with its format specification."""
-        return [cls.of(key, spec) for key, spec in specs.items()]
 
     @property
     def heading(self) -> str:

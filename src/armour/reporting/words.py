@@ -1,25 +1,19 @@
 """Sentences on the probability of stopping, the model error, and the flow stress of a ceramic without tests."""
 
 from collections.abc import Iterable, Sequence
-from functools import cache
 from math import ceil, floor, inf
 
-from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress, no_error
+from armour.analysis.ballistic_limit import ConfidenceResult, NeededFlowStress
 from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
 from armour.evidence.model_error import INTERLAYER, ModelError
-from armour.reporting.table import Column, Source, Table, VerdictLine, beside, interval, number, percent
-from armour.scenario.library import named_threats, shipped_library
+from armour.reporting.table import Column, Table, VerdictLine, beside, interval, number, percent
+from armour.scenario.library import named_threats
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES
 
-# Areal density including a back plate that exists already; empty without one.
-WHOLE: Source = (
-    Column.of("whole_areal_density_kg_m2", label="whole armour"),
-    lambda item: item.whole_areal_density_kg_m2 if item.whole_areal_density_kg_m2 != item.areal_density_kg_m2 else None,
-)
 # Caveat of a probability where the model error is not known.
 SAMPLED_ALONE = "a probability from the given distributions alone takes the model as exact"
 
@@ -93,45 +87,27 @@ def threat_notes(scenario: Scenario | None) -> list[str]:
     return [f"{name}: {threat.status}, {threat.source}" for name, threat in found if threat.status == "unconfirmed"]
 
 
-def error_note(error: ModelError | None, scenario: Scenario | None) -> str:
-    """Return the model error and its source or, without an error, why it is unknown for the scenario."""
-    if error is not None:
-        return model_error_words(error)
-    if scenario is None:
-        return "model error: unknown for such an armour, or not included"
-    if scenario.excludes_error():
-        return "model error: excluded by uncertainty.model"
-    return f"model error: unknown, {no_error(scenario)}"
-
-
 def model_error_words(error: ModelError) -> str:
     """Return the model error and its source, where it is extrapolated, and any own tests of the same armour."""
-    return "; ".join([from_tests(error), *extrapolation(error), *tested_here(error)])
-
-
-def from_tests(error: ModelError) -> str:
-    """Return the model error and its source, such as "model error: ± 7.0 %, from 13 tests"."""
-    at_least = f"; at least that, as {error.at_least}" if error.at_least else ""
-    return f"{size_of(error)}, from {error.source}{at_least}"
-
-
-def size_of(error: ModelError) -> str:
-    """Return the model error in numbers, such as "model error: ± 7.0 %"."""
     if error.ratio.logarithmic:
         low, median, high = (error.quantiles_percent[level] for level in ("0.025", "0.5", "0.975"))
-        return f"model error: {number(median, '+.0f')} % ({interval((low, high), '+.0f')} %)"
-    mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
-    return f"model error: {mean}± {error.scale_percent:.1f} %"
+        size = f"{number(median, '+.0f')} % ({interval((low, high), '+.0f')} %)"
+    else:
+        mean = f"{error.mean_percent:+.1f} % " if error.mean_percent else ""
+        size = f"{mean}± {error.scale_percent:.1f} %"
+    words = [f"model error: {size}, from {error.source}"]
+    words += [f"at least that, as {error.at_least}"] if error.at_least else []
+    words += [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
+    return "; ".join([*words, *tested_here(error)])
 
 
-def extrapolation(error: ModelError) -> list[str]:
-    """Return a line with the quantities in which the model error is extrapolated beyond its tests, if any."""
-    return [f"extrapolated from {', '.join(error.extrapolated)}"] if error.extrapolated else []
-
-
-def scatter(error: ModelError | None) -> str:
-    """Return the scatter of single shots about V50 that a probability includes, and its source."""
-    return "" if error is None else f"shots scatter by {error.scatter_percent:.2g} % of V50 ({error.scatter_source})"
+def v50_notes(answer: ConfidenceResult | CheckedThreat, velocity_m_s: float) -> list[str]:
+    """Return how likely V50 exceeds the velocity of the round, if known, and how much single shots scatter about it."""
+    exceeds, error = answer.probability_v50_exceeds_velocity, answer.model_error
+    if exceeds is None or error is None:
+        return []
+    scatter = f"shots scatter by {error.scatter_percent:.2g} % of V50 ({error.scatter_source})"
+    return [f"V50 exceeds {velocity_m_s:g} m/s with {chance(exceeds)}; {scatter}"]
 
 
 def tested_here(error: ModelError) -> list[str]:
@@ -158,39 +134,20 @@ def tested_here(error: ModelError) -> list[str]:
     return words
 
 
-def flow_stress_notes(needed: NeededFlowStress | None, against: str = "the threat") -> list[str]:
-    """Return the least flow stress with which a ceramic without tests stops a threat, in words.
+def needed_flow_stress(needed: NeededFlowStress, *, likely: bool = True) -> str:
+    """Return the least flow stress with which a ceramic without tests stops a threat by the model, and its sources.
 
-    A second line gives the ballistic limits with the flow stresses of its sources, if there are any.
+    If `likely`, return also the one for a probability, with the error seen on AD85.
     """
-    if needed is None:
-        return []
-    least, likely, sources = needed.needed_GPa, needed.needed_for_probability_GPa, needed.sources_GPa
-    source_words = ("", "; one source gives {:g}", "; sources give {:g} to {:g}")[len(sources)].format(*sources)
-    if least is None:
-        return [f"does not stop {against} with any flow stress of {needed.ceramic} up to 100 GPa{source_words}"]
-    chance_words = percent(needed.probability)
-    if likely is None:
-        likely_words = f"no value up to 100 GPa gives {chance_words}"
-    elif likely < least_flow_stress():
-        likely_words = f"also for {chance_words}"
-    else:
-        likely_words = f"{rounded_up(likely)} GPa for {chance_words}"
-    words = f"stops {against} if the flow stress of {needed.ceramic} is {rounded_up(least)} GPa or more"
-    if least < least_flow_stress():
-        words = f"stops {against} with a flow stress of {needed.ceramic} less than any ceramic of the library has"
-    words += f" ({likely_words}, with the error seen on AD85){source_words}"
-    if not sources:
-        return [words]
-    over = "these sources" if len(sources) > 1 else "this source"
-    return [words, f"ballistic limit over {over}: {' to '.join(f'{limit:.0f}' for limit in needed.limits_m_s)} m/s"]
-
-
-@cache
-def least_flow_stress() -> float:
-    """Return the least flow stress that any source gives for any ceramic of the shipped library, GPa."""
-    ceramics = shipped_library().entries["ceramic"].values()
-    return min(stress for each in ceramics for stress in (each["flow_stress_GPa"], *each.flow_stress_sources_GPa))
+    sources = " to ".join(f"{each:g}" for each in needed.sources_GPa)
+    told = f"sources give {sources}" if sources else "no source"
+    if needed.needed_GPa is None:
+        return f"no flow stress of {needed.ceramic} up to 100 GPa is enough; {told}"
+    least, enough = f"{rounded_up(needed.needed_GPa)} GPa by the model", needed.needed_for_probability_GPa
+    if likely:
+        more = "no value" if enough is None else f"{rounded_up(enough)} GPa"
+        least += f", {more} for {percent(needed.probability)}"
+    return f"a flow stress of {needed.ceramic} of {least}; {told}"
 
 
 def rounded_up(number: float) -> str:
@@ -209,4 +166,8 @@ def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
     notes = [f"how likely a shot is stopped is not known: {answer.reason}"]
     if (at_normal := answer.probability_at_normal_incidence) is not None:
         notes.append(f"at 0°: {chance(at_normal)}, and bare plates stop cores at least as well")
-    return [*notes, *flow_stress_notes(answer.flow_stress)]
+    if (needed := answer.flow_stress) is not None:
+        notes.append(f"needs {needed_flow_stress(needed)}")
+        limits = " to ".join(f"{limit:.0f}" for limit in needed.limits_m_s)
+        notes += [f"ballistic limit with the flow stress of the sources: {limits} m/s"] if limits else []
+    return notes

@@ -26,17 +26,8 @@ USUAL_ERRORS = {
     "numpy": {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"},
     "scipy.special": {"all": "ignore"},
 }
-# Words for classes in messages, and the functions that make objects of this project's classes.
+# Words for classes in messages.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
-_MAKERS = {
-    "Scenario": "load_scenario",
-    "Suite": "load_suite",
-    "Tests": "read_tests",
-    "Shots": "read_shots",
-    "Library": "shipped_library",
-    "SuiteResult": "validate",
-    "CalibrationResult": "calibrate",
-}
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -71,7 +62,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     # Help shows types without bounds, which the docstring states.  The class of a method does not exist yet.
     hints = {} if "." in function.__qualname__ else get_type_hints(function)
     shown = [item.replace(annotation=hints.get(name, item.annotation)) for name, item in parameters.parameters.items()]
-    call.__dict__["__signature__"] = parameters.replace(parameters=shown)
+    call.__signature__ = parameters.replace(parameters=shown)  # type: ignore[attr-defined]
     return call
 
 
@@ -99,11 +90,11 @@ def instance(value: object, *kinds: type[Kind]) -> Kind:
     """Return a value if it is an instance of one of the classes; otherwise raise a ValueError."""
     if isinstance(value, kinds):
         return value
-    maker = _MAKERS.get(kinds[0].__name__)
     # A path may be given as a text.
     listed = [kind for kind in kinds if kind is not NoneType and not (kind is str and PathLike in kinds)]
     words = " or ".join(_WORDS.get(kind, f"a {kind.__name__}") for kind in listed)
-    raise ValueError(f"must be {words}, found {_in_words(value)}{f'; {maker} makes one' if maker else ''}")
+    maker = "; load_scenario makes one" if kinds[0].__name__ == "Scenario" else ""
+    raise ValueError(f"must be {words}, found {_in_words(value)}{maker}")
 
 
 def _in_words(value: object) -> str:

@@ -23,28 +23,24 @@ MAX_KEY = 5000
 LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
 KeyPath = tuple[str | int, ...]
-# Tokens of TOML: brackets, ends of lines, and texts and comments, in which brackets and ends of lines do not count.
-_TOKEN = re.compile(
-    r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|\#[^\n]*|[][{}\n]''', re.DOTALL
-)
+# Greatest number of lines of a statement in a file whose lines are told.
+MAX_LINES = 500
 
 
 class Whole(dict[str, Any]):
     """A table that replaces an existing one; any other table is merged into it."""
 
 
-def nfc(name: str) -> str:
-    """Return a name in the Unicode form in which names are compared; "é" may be typed as one character or as two."""
-    return unicodedata.normalize("NFC", name)
+def plain_name(name: str) -> str:
+    """Return a name in the form in which names are compared, equal for those that look the same, as "AD85 " and "AD85".
 
-
-def look_of(name: str) -> str:
-    """Return a form of a name that is equal for names that look the same, such as "AD85" and "AD85 "."""
+    A no-break space is a space, and "é" may be typed as one character or as two.
+    """
     return " ".join(unicodedata.normalize("NFKC", name).split())
 
 
-def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
-    """Return a copy of a value as Python's own, with the keys of its tables in the form in which names are compared.
+def with_plain_keys(value: Any, file: str, parts: KeyPath = ()) -> Any:
+    """Return a copy of a value as Python's own, with the keys of its tables as `plain_name` has them.
 
     A section becomes a `Whole` table of the values that it was given, which are thus validated again.
     """
@@ -54,13 +50,13 @@ def in_nfc(value: Any, file: str, parts: KeyPath = ()) -> Any:
         value = plain(value)
         if isinstance(value, str | bytes) or not hasattr(value, "__len__"):
             return value
-        return [in_nfc(inner, file, (*parts, i)) for i, inner in enumerate(items(value))]
+        return [with_plain_keys(inner, file, (*parts, i)) for i, inner in enumerate(items(value))]
     table: dict[Any, Any] = Whole() if isinstance(value, Whole) else {}
     for key, inner in value.items():
-        name = nfc(key) if isinstance(key, str) else key
+        name = plain_name(key) if isinstance(key, str) else key
         if name in table:
-            raise mistake(file, key_name((*parts, name)), "must be given once, found it in two Unicode forms")
-        table[name] = in_nfc(inner, file, (*parts, name))
+            raise mistake(file, key_name((*parts, name)), "must be given once, found it in two forms that look alike")
+        table[name] = with_plain_keys(inner, file, (*parts, name))
     return table
 
 
@@ -90,7 +86,7 @@ def parts_of(key: str) -> Parts:
     parts: Parts = ()
     if not isinstance(key, str) or len(key) > MAX_KEY:
         raise ValueError(key)
-    key = nfc(key)
+    key = plain_name(key)
     if re.fullmatch(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*", key):
         parts = tuple(key.split("."))
     else:
@@ -163,11 +159,7 @@ def lines_of(text: str) -> dict[str, int]:
     lines: dict[str, int] = {}
     counts: dict[str, int] = {}
     table: KeyPath = ()
-    for line, statement in _statements(text):
-        try:
-            data = tomllib.loads(statement)
-        except tomllib.TOMLDecodeError:
-            break
+    for line, statement, data in _statements(text):
         is_header = statement.lstrip().startswith("[")
         if is_header:
             table = _header(data, counts)
@@ -176,15 +168,21 @@ def lines_of(text: str) -> dict[str, int]:
     return lines
 
 
-def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the statements of a TOML text, each with the number of its first line, from 1."""
-    start, line, depth = 0, 1, 0
-    for token in _TOKEN.finditer(f"{text}\n"):
-        depth += (token[0] in "[{") - (token[0] in "]}")
-        if token[0] == "\n" and depth <= 0:
-            statement = text[start : token.end()]
-            yield line, statement
-            start, line = token.end(), line + statement.count("\n")
+def _statements(text: str) -> Iterator[tuple[int, str, dict[str, Any]]]:
+    """Yield the number of the first line, from 1, the text and the content of each statement of a TOML text.
+
+    A statement ends with the first line up to which it is valid.
+    """
+    first, statement = 1, ""
+    for number, line in enumerate(text.split("\n"), 1):
+        statement += f"{line}\n"
+        try:
+            yield first, statement, tomllib.loads(statement)
+        except tomllib.TOMLDecodeError:
+            if number - first < MAX_LINES:
+                continue
+            return
+        first, statement = number + 1, ""
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
@@ -235,48 +233,36 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
     """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
 
     A table that is `Whole` replaces it, whichever comes first of its key and of keys below.  A key that goes below a
-    value, or is given twice, is refused.
+    value is refused.
     """
-    result = dict(data)
-    set_values: dict[Parts, object] = {}
-    problems = []
+    result, problems = dict(data), list[Problem]()
     for key, value in sorted(changes.items(), key=lambda item: len(item[0]) if isinstance(item[1], Whole) else inf):
         try:
             parts = parts_of(key)
+            for name in reversed(parts):
+                value = {name: value}
+            result = _merged(result, value, file, parts)
         except ValueError:
             problems.append(not_a_key(file, key))
-            continue
-        for leaf, leaf_value in leaves(value, parts):
-            if leaf in set_values and set_values[leaf] != leaf_value:
-                message = f"must be given once, found {describe(set_values[leaf])} and {describe(leaf_value)}"
-                problems.append(Problem(file, key_name(leaf), message))
-            set_values[leaf] = leaf_value
-        if message := _put(result, parts, value):
-            problems.append(Problem(file, key_name(parts), message))
+        except InputError as error:
+            problems += error.problems
     refuse(problems)
     return result
 
 
-def _put(table: dict[str, Any], parts: Parts, value: object, above: Parts = ()) -> str:
-    """Put a value into a table; return a message if the key goes below a value that is not a table, otherwise "".
+def _merged(present: Any, value: object, file: str, key: Parts, place: int = 0) -> Any:
+    """Return a value in place of the present one: a table merged into a table; `place` counts the parts of `key` above.
 
-    Tables that change are copied first, as those of the data may be shared.
+    The data may be shared, and are not changed.
     """
-    name, *rest = parts
-    present: Any = table.get(name, {} if rest else None)
-    if rest and not isinstance(present, dict):
-        hint = LISTED if isinstance(present, list) else suggestion(key_name((*above, *parts)), list(INPUTS))
-        return f"must not go below {key_name((*above, name))}, which is {describe(present)}{hint}"
-    if rest:
-        table[name] = dict(present)
-        return _put(table[name], (*rest,), value, (*above, name))
-    if isinstance(value, Mapping) and isinstance(present, dict):
-        table[name] = {} if isinstance(value, Whole) else dict(present)
-        for inner in value:
-            _put(table[name], (inner,), value[inner])
-    else:
-        table[name] = value
-    return ""
+    if not isinstance(value, Mapping):
+        return value
+    if place < len(key) and not isinstance(present, dict | None):
+        hint = LISTED if isinstance(present, list) else suggestion(key_name(key), list(INPUTS))
+        message = f"must not go below {key_name(key[:place])}, which is {describe(present)}{hint}"
+        raise mistake(file, key_name(key), message)
+    table = present if isinstance(present, dict) and not isinstance(value, Whole) else {}
+    return table | {name: _merged(table.get(name), inner, file, key, place + 1) for name, inner in value.items()}
 
 
 def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
@@ -288,13 +274,15 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     changes: dict[str, Any] = {}
     problems = []
     for assignment in assignments:
-        key_and_value = _parsed(assignment)
-        if key_and_value is None:
-            listed = LISTED if "[" in assignment.partition("=")[0] else ""
+        name, equals, text = assignment.partition("=")
+        try:
+            key = key_name(parts_of(name if equals else ""))
+        except ValueError:
+            listed = LISTED if "[" in name else ""
             message = f"must be KEY=VALUE, such as impact.velocity_m_s=900, found {json.dumps(assignment)}{listed}"
             problems.append(Problem("command line", "--set", message))
             continue
-        key, value = key_and_value[0], in_nfc(key_and_value[1], "command line", (f"--set {key_and_value[0]}",))
+        value = with_plain_keys(_value_of(key, text.strip()), "command line", (f"--set {key}",))
         if key in changes and changes[key] != value:
             message = f"must be given once, found {describe(changes[key])} and {describe(value)}"
             problems.append(Problem("command line", f"--set {key}", message))
@@ -303,19 +291,10 @@ def changes_of(assignments: Iterable[str]) -> dict[str, Any]:
     return changes
 
 
-def _parsed(text: str) -> tuple[str, Any] | None:
-    """Return key and value of an assignment; None if the text is not one."""
-    for equals in re.finditer("=", text):
-        try:
-            key = key_name(parts_of(text[: equals.start()]))
-        except ValueError:
-            continue
-        value = text[equals.end() :].strip()
-        try:
-            parsed = parse_toml(f"value = {value}", "")["value"]
-            if "\n" in value:
-                return None
-            return key, value if key in NAMING and not isinstance(parsed, str) else parsed
-        except InputError:
-            return key, value
-    return None
+def _value_of(key: str, text: str) -> Any:
+    """Return the value of a key that an assignment sets: as TOML reads the text or else the text itself."""
+    try:
+        [parsed] = parse_toml(f"value = {text}", "").values()
+    except (InputError, ValueError):  # not TOML, or several lines
+        return text
+    return text if key in NAMING and not isinstance(parsed, str) else parsed

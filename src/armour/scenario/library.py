@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import chain, islice
-from math import inf, nan
+from math import nan
 from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -19,9 +19,9 @@ from armour.errors import CHOOSE, MAX_WORDS, InputError, Note, Problem, listed, 
 from armour.files import read_toml, shipped, shipped_files
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, ROD, YIELD, Kind, length_mm
-from armour.scenario.keys import describe, in_nfc, key_name, look_of, nfc
+from armour.scenario.keys import describe, key_name, plain_name, with_plain_keys
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
-from armour.units import GPA, MPA, words_and_unit
+from armour.units import GPA, MPA
 
 Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
@@ -117,14 +117,9 @@ IN_COMMON = (
 TEST_RESULTS = ("velocity_m_s", "uncertainty_m_s", "side")
 # Number of the laboratory or series of a test, where several are named.
 SERIES_KEY = "series"
-# Least and greatest possible values of these quantities; all others are above 0.
-BOUNDS_OF_TESTS = {
-    **dict.fromkeys(("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa"), (0.0, inf)),
-    "path_ratio": (1.0, inf),
-    "uncertainty_m_s": (0.0, inf),
-    "side": (-1.0, 1.0),
-    SERIES_KEY: (0.0, inf),
-}
+# Least possible values of these quantities; all others but the side are above 0.
+MAY_BE_0 = ("ceramic_thickness_ratio", "ceramic_density_kg_m3", "ceramic_modulus_GPa", "uncertainty_m_s", SERIES_KEY)
+LEAST_OF_TESTS = {"path_ratio": 1.0, **dict.fromkeys(MAY_BE_0, 0.0)}
 
 
 class OwnTests(Section):
@@ -148,14 +143,6 @@ class OwnTests(Section):
     reason: str = ""
     """Reason why the tests do not determine the model error."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _without_version_1(cls, data: Any) -> Any:
-        """Drop the evidence written by version 1, which holds no tests."""
-        if not isinstance(data, dict) or "measured" not in data:
-            return data
-        return {"source": data.get("source"), "reason": "it was calibrated by armour 1: calibrate it again"}
-
     @model_validator(mode="after")
     def _complete(self) -> "OwnTests":
         if not self.law:
@@ -166,8 +153,8 @@ class OwnTests(Section):
         if {*self.tests} - {SERIES_KEY} != {*VARIED, *IN_COMMON, *TEST_RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():
-            low, high = BOUNDS_OF_TESTS.get(name, (TINY, inf))
-            if not all(low <= value <= high for value in column) or (name == "side" and {*column} - {-1.0, 0.0, 1.0}):
+            least = LEAST_OF_TESTS.get(name, TINY)
+            if {*column} - {-1.0, 0.0, 1.0} if name == "side" else min(column) < least:
                 raise ValueError(f"must be as armour calibrate writes it: {name} has an impossible number")
         return self
 
@@ -182,7 +169,7 @@ class OwnTests(Section):
         )
 
 
-Name = Annotated[str, AfterValidator(nfc)]
+Name = Annotated[str, AfterValidator(plain_name)]
 
 
 class Entry(Section):
@@ -338,9 +325,6 @@ NO_METAL = re.compile(
 )
 NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
 PAGE = "docs/howto/confidence.md"
-# Calibres in a name, which have at most two digits before a point, and designations of rounds, such as "B32" and "M-2".
-CALIBRE = re.compile(r"(?<![\d.])(?:\d\d?(?:\.\d+)?(?=\s*(?:x|mm))|\d\d?\.\d+|\.\d\d)(?!\d)")
-ROUND = re.compile(r"\b[a-z]+-?\d+\b", re.IGNORECASE)
 # Most entries with similar names that a message lists.
 MOST_ALIKE = 12
 # Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
@@ -458,52 +442,24 @@ def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
     """Return a hint for a name that is not in the library: similar entries, or the closest one of `names`.
 
-    A name that looks the same comes first.  Next come the entries whose names contain the name; if there are none, its
-    first part, as with "5083-H32"; and then those whose descriptions contain it, as with "alumina".  If the name has a
-    calibre, projectiles of another calibre are left out.
+    First come the entries whose names contain the name; if there are none, its first part, as with "5083-H32"; and then
+    those whose descriptions contain it, as with "alumina".
     """
-    entries, names = list(entries), [*islice(names, MAX_WORDS + 1)]
-    if calibres := _matches(CALIBRE, name):
-        entries = [
-            entry
-            for entry in entries
-            if entry.kind != "projectile" or calibres & _matches(CALIBRE, " ".join((entry.name, *entry.aliases)))
-        ]
-    if same := [known for known in names if look_of(known) == look_of(name)]:
-        return suggestion(name, same)
     for template in shipped_files("scenarios/templates", ".toml"):
         if all(part in "".join(name.casefold().split()) for part in template.split("_")):
             return f"; for this round there is a template: armour init --from templates/{template}"
-    if NO_METAL.search(name) and not _named(name, entries):
+    texts = {entry.name: ("\n".join((entry.name, *entry.aliases)), entry.description) for entry in entries}
+
+    def alike(part: str, place: int) -> list[str]:
+        return [each for each in texts if part and part.casefold() in texts[each][place].casefold()]
+
+    named = alike(name, 0)
+    if NO_METAL.search(name) and not named:
         return f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}"
-    first_part = re.split("[ -]", name)[0]
-    for alike in (_named(name, entries), _named(first_part, entries), _described(name, entries)):
-        if 0 < len(alike) <= MOST_ALIKE:
-            return CHOOSE + ", ".join(map(_in_short, alike))
-    return suggestion(name, names) or "; armour library lists them"
-
-
-def _named(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
-    """Return the entries with a text in one of their names."""
-    return [
-        entry for entry in entries if text and text.casefold() in "\n".join((entry.name, *entry.aliases)).casefold()
-    ]
-
-
-def _described(text: str, entries: Iterable[LibraryEntry]) -> list[LibraryEntry]:
-    """Return the entries with a text in their description."""
-    return [entry for entry in entries if text and text.casefold() in entry.description.casefold()]
-
-
-def _in_short(entry: LibraryEntry) -> str:
-    """Return the name of an entry with the values that tell it from those of similar names."""
-    keys = {
-        "projectile": ("penetrator_diameter_mm", "penetrator_mass_g"),
-        "ceramic": ("flow_stress_GPa",),
-        "metal": (STATIC if entry.is_static else DYNAMIC,),
-    }
-    values = (f"{words} {entry[key]:.4g} {unit}" for key in keys[entry.kind] for words, unit in [words_and_unit(key)])
-    return f"{entry.name} ({', '.join(values)})"
+    for found in (named, alike(re.split("[ -]", name)[0], 0), alike(name, 1)):
+        if 0 < len(found) <= MOST_ALIKE:
+            return CHOOSE + ", ".join(found)
+    return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
 
 
 def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
@@ -571,7 +527,7 @@ class Library:
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry; if there is none, an InputError suggests the closest name."""
         names = self.known(kind)
-        name = nfc(name) if isinstance(name, str) else name
+        name = plain_name(name) if isinstance(name, str) else name
         if name not in names:
             words = f"must name a {kind} of the library, found {describe(name)}"
             raise mistake("library", "name", words + hint(str(name), self.entries[kind].values(), names))
@@ -589,7 +545,7 @@ class Library:
         `file` holds the entries and is the source of values without one; `prefix` is the key of the tables in it.
         """
         if not isinstance(tables, LibraryTables):
-            data = in_nfc(tables, file)
+            data = with_plain_keys(tables, file)
 
             def read(rest: Mapping[str, Any]) -> Library:
                 return self.extended(LibraryTables.model_validate(rest), file, prefix)
@@ -609,21 +565,14 @@ class Library:
             resolved, mistakes = _resolved(kind, added, self.entries[kind], file, table)
             entries[kind] |= {name: resolved[name] for name in added if name in resolved}
             problems += [*mistakes, *_ambiguous(added, entries[kind], file, table)]
-            problems += _alike(added, self.known(kind), file, table)
-            for name, earlier, entry in Library(entries).renamed(kind, self):
-                if not (earlier.name == entry.name and added[entry.name].based_on == entry.name):
-                    replaced = f"the {name} of {earlier.file or 'the shipped library'}"
-                    notes.append(f"{file}: {key_name((*table, entry.name))}: replaces {replaced}")
+            known = self.known(kind)
+            for owner, entry in added.items():
+                for name in (name for name in (owner, *entry.aliases) if name in known):
+                    if not known[name] == owner == entry.based_on:
+                        replaced = self.entries[kind][known[name]].file or "the shipped library"
+                        notes.append(f"{file}: {key_name((*table, owner))}: replaces the {name} of {replaced}")
         refuse(problems)
         return Library(entries, tuple(notes))
-
-    def renamed(self, kind: Kind, before: "Library") -> Iterator[tuple[str, LibraryEntry, LibraryEntry]]:
-        """Yield each name that meant another entry in the library `before`, with the earlier and the present entry."""
-        names = self.known(kind)
-        for name, earlier_name in before.known(kind).items():
-            earlier, entry = before.entries[kind][earlier_name], self.entries[kind].get(names.get(name, ""))
-            if entry is not None and entry is not earlier:
-                yield name, earlier, entry
 
 
 def _ambiguous(
@@ -637,19 +586,6 @@ def _ambiguous(
             if other != name:
                 message = f'must be names of this entry alone, found "{alias}", a name of "{other}" too'
                 yield Problem(file, key_name((*table, name, "aliases")), message)
-
-
-def _alike(added: Mapping[str, Entry], known: Iterable[str], file: str, table: tuple[str, ...]) -> Iterator[Problem]:
-    """Yield a problem for each name in a table of a file that is blank, or looks like another name of the same kind."""
-    names = {look_of(name): name for name in known}
-    for owner, entry in added.items():
-        for name in (owner, *entry.aliases):
-            key = key_name((*table, owner) if name == owner else (*table, owner, "aliases"))
-            other = names.setdefault(look_of(name), name)
-            if not look_of(name):
-                yield Problem(file, key, "must not be blank")
-            elif other != name:
-                yield Problem(file, key, f'must not look like another name, found "{name}" and "{other}"')
 
 
 def _resolved(
@@ -794,20 +730,6 @@ class NamedThreat(Section):
         return self.model_dump(include=set(THREAT_KEYS), exclude_none=True)
 
 
-def threats_like(name: str) -> list[str]:
-    """Return the named threats that an unknown name may mean; those of another calibre or round are left out."""
-    threats = named_threats()
-    for pattern in (CALIBRE, ROUND):
-        if asked := _matches(pattern, name):
-            return [title for title, threat in threats.items() if asked & _matches(pattern, f"{title} {threat.round}")]
-    return [title for title in threats if name in title] or list(threats)
-
-
-def _matches(pattern: re.Pattern[str], text: str) -> set[str]:
-    """Return the parts of a text that match a pattern, in lower case and without hyphens."""
-    return {match.casefold().replace("-", "") for match in pattern.findall(text)}
-
-
 @cache
 def named_threats() -> dict[str, NamedThreat]:
     """Return the shipped threats by name."""
@@ -824,7 +746,7 @@ def search_library(words: Sequence[str]) -> list[tuple[Any, str, Any]]:
     library, threats = shipped_library(), named_threats()
     kinds: dict[Any, Mapping[str, Any]] = {**library.entries, "threat": threats}
     kind_of = {f"{kind}{plural}": kind for kind in kinds for plural in ("", "s")}
-    name_asked = nfc(" ".join(words))
+    name_asked = plain_name(" ".join(words))
     asked = name_asked.casefold().split()
     called, alike = list[tuple[Any, str, Any]](), list[tuple[Any, str, Any]]()
     for kind in ("projectile", "ceramic", "threat", "metal"):
@@ -845,7 +767,6 @@ def search_library(words: Sequence[str]) -> list[tuple[Any, str, Any]]:
 
 
 def _has_word(text: str, word: str) -> bool:
-    """Return whether a text contains a word; a number must be a whole one: "4" is no part of "4569"."""
-    if re.fullmatch(r"\d*\.?\d+", word):
-        return re.search(rf"(?<!\d)(?<!\d\.){re.escape(word)}(?!\.?\d)", text) is not None
-    return word in text
+    """Return whether a text contains a word, whose numbers must be whole ones: "4" is no part of "4569"."""
+    before, after = r"(?<!\d)(?<!\d\.)" * word[0].isdigit(), r"(?!\.?\d)" * word[-1].isdigit()
+    return re.search(f"{before}{re.escape(word)}{after}", text) is not None

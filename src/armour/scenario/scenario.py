@@ -1,15 +1,12 @@
 """Scenarios: reading, validation and conversion to the core's parameters."""
 
-import ast
 import json
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
 from hashlib import sha256
-from importlib import import_module
-from inspect import getsource
-from itertools import chain, pairwise, zip_longest
+from itertools import chain
 from os import PathLike
 from os.path import relpath
 from pathlib import Path
@@ -19,7 +16,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from armour.core.state import Parameters
-from armour.errors import InputError, Note, Problem, choices, joined, refuse, restated, suggestion
+from armour.errors import InputError, Note, Problem, choices, joined, mistake, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
 from armour.scenario import schema
 from armour.scenario.checked import checked
@@ -40,13 +37,12 @@ from armour.scenario.keys import (
     Parts,
     Whole,
     changed,
-    describe,
-    in_nfc,
     key_name,
     leaves,
-    look_of,
     parts_of,
+    plain_name,
     values_by_key,
+    with_plain_keys,
     without_none,
 )
 from armour.scenario.library import (
@@ -128,17 +124,13 @@ class Scenario(Section):
     """Projectiles and materials that the scenario adds to the library."""
 
     _entries: Library = PrivateAttr(default_factory=Library)
-    _floors: tuple[Note, ...] = PrivateAttr(default=())
     _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
     def model_post_init(self, context: Any) -> None:
-        """Validate a scenario that is made of its sections as `parse_scenario` does."""
+        """Refuse a scenario that is made of sections, without its library."""
         if context is None:
-            scenario = parse_scenario(self.model_dump(exclude_unset=True, warnings=False))
-            self.__dict__.update(scenario.__dict__)
-            self._entries, self._source = scenario._entries, scenario._source
+            raise mistake("Scenario", "", "must be made by load_scenario or parse_scenario")
 
-    @checked
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """Return a copy, with the sections in `update` in place of its own; it is validated as by `replaced`."""
         if update is None:
@@ -157,12 +149,11 @@ class Scenario(Section):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A line for each value or entry that overrides another, and one on what the model leaves out at an angle."""
+        """A line for each entry that overrides another, and one on what the model leaves out at an angle."""
         impacts = {"impact": self.impact, **{f"threat[{i}]": threat for i, threat in enumerate(self.threat)}}
-        replaced = [f"{self.file}: {key}.{words}" for key in impacts for words in impacts[key].replaced_values()]
         oblique = [key for key in impacts if impacts[key].obliquity_deg]
         left_out = [f"{self.file}: {key}.obliquity_deg: {LEFT_OUT_AT_ANGLES}" for key in oblique[:1]]
-        return (*self._entries.notes, *replaced, *left_out)
+        return (*self._entries.notes, *left_out)
 
     def entry(self, kind: Kind, name: str) -> LibraryEntry:
         """Return an entry of the scenario's library; if there is none, an InputError suggests the closest name."""
@@ -240,20 +231,9 @@ class Scenario(Section):
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
         return Parameters(**(fields | self.model.laws()))
 
-    @property
-    def inert_layers(self) -> tuple[schema.InertLayer, ...]:
-        """Layers without ballistic effect; last comes what the section ``design`` adds, without name and place."""
-        section = self.design or schema.DesignSection()
-        names = ("thickness_mm", "areal_density_kg_m2", "cost_per_m2")
-        amounts: dict[str, Any] = {name: getattr(section, f"added_{name}") for name in names}
-        given = {name for name in names if f"added_{name}" in section.model_fields_set}
-        unnamed = {"name": "", "place": "", **amounts}
-        added = [schema.InertLayer.model_construct(given, **unnamed)] if any(amounts.values()) else []
-        return (*self.armour.layer, *added)
-
     def inert(self, key: str) -> float:
         """Return the sum of a quantity of the layers without ballistic effect, such as "thickness_mm"."""
-        return sum((getattr(layer, key) for layer in self.inert_layers), 0.0)
+        return sum((getattr(layer, key) for layer in self.armour.layer), 0.0)
 
     def cross_section(self) -> list[tuple[str, str, float]]:
         """Return the layers from the front, each as "ceramic", "metal" or "inert" with its name and thickness, mm."""
@@ -289,7 +269,7 @@ class Scenario(Section):
 
     def cost_per_m2(self) -> float | None:
         """Return the cost of the armour per m², without a back plate that exists; None unless all layers have costs."""
-        if self.design is None or not all(layer.has_cost() for layer in self.inert_layers):
+        if self.design is None or not all(layer.has_cost() for layer in self.armour.layer):
             return None
         total, armour, parameters = self.inert("cost_per_m2"), self.armour, self.core_armour()
         for options, name, density, thickness in (
@@ -302,16 +282,6 @@ class Scenario(Section):
             elif thickness > 0.0:
                 return None
         return total
-
-    def unused_densities(self) -> tuple[Note, ...]:
-        """Return a warning for each density that the section ``design`` gives to a material of this armour in vain."""
-        notes, parameters = [], self.core_armour()
-        for role, density in {"ceramic": parameters.rho_c, "backing": parameters.rho_B}.items():
-            for i, layer in enumerate(getattr(self.design, role, ())):
-                if layer.material == self.name_of(role) and layer.density_kg_m3 not in (None, density):
-                    text = f"is not used: {layer.material} has {density:g} kg/m³ in the armour as given"
-                    notes.append(Note(text, f"design.{role}[{i}].density_kg_m3"))
-        return tuple(notes)
 
     def cosine(self) -> float:
         """Return the cosine of the obliquity."""
@@ -398,37 +368,16 @@ class Scenario(Section):
 
     @checked
     def requiring(self, probability: schema.RequiredProbability | None) -> "Scenario":
-        """Return the scenario with a least probability of stopping each threat; a higher one that it requires stays.
-
-        The answers for the scenario say where it requires another probability itself.
-        """
+        """Return the scenario with a least probability of stopping each threat; a higher one that it requires stays."""
         if probability is None:
             return self
-        section, most, tables = (
-            self.design or schema.DesignSection(),
-            1.0 - probability,
-            self.to_dict().get("threat", []),
-        )
-        changes: dict[str, object] = {"threat": tables} if tables else {}
-        if (section.required_probability or 0.0) < probability:
-            changes["design.confidence" if section.confidence else "design.probability_of_stopping"] = probability
-        floors = []
-        for threat, table in zip_longest(self.threats(), tables):
-            bound = section.bound(threat)
-            if table and (threat.probability_of_perforation or 0.0) > most:
+        section, most = self.design or schema.DesignSection(), 1.0 - probability
+        tables = self.to_dict().get("threat", [])
+        for table in tables:
+            if table.get("probability_of_perforation", 0.0) > most:
                 table["probability_of_perforation"] = most
-            if bound not in (None, most):
-                own, relation = f"{100.0 - 100.0 * bound:.6g} %", "less" if bound > most else "more"
-                words = f"the scenario requires {own}, {relation} than the {100.0 * probability:.6g} % asked for"
-                floors.append(Note(words + f", against {threat.title}" * bool(tables), said="caveat"))
-        required = self.replaced(changes)
-        required._floors = tuple(dict.fromkeys(floors))
-        return required
-
-    @property
-    def floors(self) -> tuple[Note, ...]:
-        """Where the scenario itself requires another probability than `requiring` asked for."""
-        return self._floors
+        least = max(probability, section.probability_of_stopping or 0.0)
+        return self.replaced({"design.probability_of_stopping": least, **({"threat": tables} if tables else {})})
 
     def to_toml(self, folder: str | PathLike[str] | None = None) -> str:
         """Return the scenario as the text of a TOML file, in which paths of library files are relative to a folder.
@@ -647,7 +596,7 @@ def _parsed(source: _Source) -> Scenario:
         raise InputError(list(dict.fromkeys((*problems, *own)))) from None
     looks: set[str] = set()
     for i, threat in enumerate(scenario.threat):
-        if (look := look_of(threat.title)) in looks:
+        if (look := plain_name(threat.title)) in looks:
             message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
         looks.add(look)
@@ -664,36 +613,21 @@ def _parsed(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last.  Changed numbers of the section ``library`` lose the source of the earlier number.
+    Inputs are set last, so that they take precedence over keys of the library.  Changed numbers of the section
+    ``library`` lose the source of the earlier number.
     """
-    groups: list[tuple[Mapping[str, Any], Mapping[Parts, object]]] = []
-    data = in_nfc(data, file)
-    for group in (in_nfc(group, file) for group in changes if group):
-        by_role = {key: value for key, value in group.items() if _names_a_role(key)}
+    data, inputs = with_plain_keys(data, file), dict[str, Any]()
+    for group in (with_plain_keys(group, file) for group in changes if group):
+        by_role = {key: value for key, value in group.items() if _names_a_role(str(key))}
         by_key = {key: value for key, value in group.items() if key not in by_role}
         source, data = _Source(dict(data), file, folder), changed(data, by_key, file)
+        inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
         values = values_by_key(by_key)
-        groups.append(({key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}, values))
         data = _with_new_threat(data, values)
         data = changed(data, _bases(data, source, by_key) | _without_sources(values), file)
     scenario = _parsed(_Source(dict(data), file, folder))
-    refuse(problem for group in groups for problem in _contradictions(scenario, *group))
-    inputs = {name: value for given, _ in groups for name, value in given.items()}
     with restated(lambda problem: problem._replace(file=file)):
         return scenario.with_inputs(inputs) if inputs else scenario
-
-
-def _contradictions(scenario: Scenario, inputs: Mapping[str, Any], values: Mapping[Parts, object]) -> Iterator[Problem]:
-    """Yield a problem for each input by role that is also set, to another number, by its key in the library.
-
-    `inputs` has the values by name of input, `values` those by the parts of their keys.
-    """
-    for name, value in inputs.items():
-        key = scenario.parts_of_input(name) if name in INPUTS else ()
-        other = values.get(key, values.get((*key, NUMBER), value))
-        if other is not value and other != value:  # NaN differs from itself
-            message = f"must not be given with {key_name(key)}, which sets the same input, to {describe(other)}"
-            yield Problem(scenario.file, name, message)
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
@@ -715,10 +649,7 @@ def _without_sources(values: Mapping[Parts, object]) -> dict[str, object]:
 
 def _names_a_role(key: str) -> bool:
     """Return whether a key is an input by role, such as "ceramic.flow_stress_GPa", or a misspelling of one."""
-    try:
-        section = parts_of(key)[0]
-    except ValueError:
-        return False
+    section = key.partition(".")[0]
     return section not in Scenario.model_fields and bool(suggestion(section, list(ROLES)))
 
 
@@ -756,33 +687,12 @@ def _allowed(name: str, values: Any) -> Any:
     return allowed
 
 
-def _meanings() -> dict[str, dict[str, str]]:
-    """Return the docstring of each key, by name of its section."""
-    meanings: dict[str, dict[str, str]] = {}
-    for module in ("library", "schema", "scenario"):
-        tree = ast.parse(getsource(import_module(f"armour.scenario.{module}")))
-        for section in tree.body:
-            if isinstance(section, ast.ClassDef):
-                bases = [base.id for base in section.bases if isinstance(base, ast.Name)]
-                inherited = {key: words for base in bases for key, words in meanings.get(base, {}).items()}
-                meanings[section.name] = inherited | {
-                    ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
-                    for field, below in pairwise(section.body)
-                    if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
-                }
-    return meanings
-
-
 def scenario_schema() -> dict[str, Any]:
     """Return the JSON Schema of a scenario file, with the meaning of each key, for editors.
 
     It does not cover names of the library, nor conditions on several keys.
     """
     whole = Scenario.model_json_schema()
-    meanings = _meanings()
-    for name, section in (("Scenario", whole), *whole["$defs"].items()):
-        for key, content in section["properties"].items():
-            content["description"] = content.get("description") or meanings[name.split("_")[0]][key]
     about = {"title": "armour scenario", "description": "An impact, an armour and settings of the computations."}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **whole, **about}
 
@@ -798,29 +708,16 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
     tables = _table(source.data, "library")
     files = tables.get("files")
     for index, file in enumerate(files if isinstance(files, list) else []):
-        if not isinstance(file, str):
-            continue
-        key = key_name(["library", "files", index])
         try:
-            before, library = library, read_library(source.folder / file, library)
-            for kind in KINDS:
-                problems += (
-                    Problem(
-                        source.file, key, f'must not name "{file}": like {entry.file}, it defines the {kind} "{name}"'
-                    )
-                    for name, entry, _ in library.renamed(kind, before)
-                    if entry.file
-                )
+            library = read_library(source.folder / file, library) if isinstance(file, str) else library
         except InputError as error:
+            key = key_name(["library", "files", index])
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
-    is_unread = bool(problems)
-    names: dict[Kind, dict[str, str]] = (
-        {}
-        if is_unread
-        else {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
-    )
+    is_unread, names = bool(problems), dict[Kind, dict[str, str]]()
+    if not is_unread:
+        names = {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}
     try:
         library = library.extended(schema.LibrarySection.model_validate(tables), source.file, "library")
     except ValidationError:

@@ -1,7 +1,7 @@
 """Sections of a scenario file: keys, types, bounds and defaults."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import floor, inf
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
@@ -18,9 +18,9 @@ from pydantic import (
 )
 
 from armour.core import equations
-from armour.errors import choices
+from armour.errors import suggestion
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
-from armour.scenario.keys import nfc
+from armour.scenario.keys import plain_name
 from armour.scenario.library import (
     LEAST_SCATTER_PERCENT,
     THREAT_KEYS,
@@ -30,7 +30,6 @@ from armour.scenario.library import (
     hint,
     least_scatter,
     named_threats,
-    threats_like,
 )
 from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import MM, US
@@ -60,7 +59,7 @@ def _in_library(kind: Kind) -> AfterValidator:
 
     def check(name: str, info: ValidationInfo) -> str:
         context: dict[str, Any] = info.context or {"names": {}}
-        name = nfc(name)
+        name = plain_name(name)
         names: dict[str, str] = context["names"].get(kind, {name: name})
         if name not in names:
             entries = context["library"].entries[kind].values()
@@ -112,22 +111,16 @@ class Impact(Section, json_schema_extra=_with_named):
             return data
         threats = named_threats()
         if name not in threats:
-            alike = threats_like(name)
-            like = choices(name, alike) if alike else "; armour init --list has templates for other rounds"
+            like = suggestion(name, [*threats]) or "; armour library threats lists them"
             raise ValueError(f'threat must name a threat of the library, found "{name}"{like}')
         return threats[name].values() | data
-
-    def replaced_values(self) -> Iterator[str]:
-        """Yield the values that take precedence over those of the named threat, in words."""
-        values = {} if self.threat is None else named_threats()[self.threat].values()
-        for key, value in values.items():
-            if getattr(self, key) != value:
-                yield f"{key}: {getattr(self, key)} takes precedence over {value} of {self.threat}"
 
     @property
     def standard(self) -> str:
         """Name of the threat of a standard, with ", changed" if some values differ here; "" if none is named."""
-        return f"{self.threat or ''}{', changed' if any(self.replaced_values()) else ''}"
+        values = {} if self.threat is None else named_threats()[self.threat].values()
+        is_changed = any(getattr(self, key) != value for key, value in values.items())
+        return f"{self.threat or ''}{', changed' * is_changed}"
 
 
 class InertLayer(Section):
@@ -274,13 +267,6 @@ class Optimise(Section):
     backing_thickness_mm: Annotated[Range, AfterValidator(_above_zero)]
     """Grid of thicknesses of the back plate."""
 
-    @model_validator(mode="after")
-    def _not_absurd(self) -> "Optimise":
-        designs = self.ceramic_thickness_mm.count() * self.backing_thickness_mm.count()
-        if designs > MAX_DESIGNS:
-            raise ValueError(f"must contain at most {MAX_DESIGNS} designs, found {designs:.3g}; widen the steps")
-        return self
-
 
 class Threat(Impact):
     """A projectile and a velocity that a design must stop, with a margin."""
@@ -343,8 +329,7 @@ def _kind_of_range(value: object) -> str:
     """Return the tag of the form in which thicknesses are given: a list, a range with a step or a continuous one."""
     if not isinstance(value, dict | Range | FreeRange):
         return LIST_TAG
-    stepped = isinstance(value, Range) or (isinstance(value, dict) and "step" in value)
-    return RANGE_TAG if stepped else FREE_TAG
+    return RANGE_TAG if "step" in dict(value) else FREE_TAG
 
 
 def _listed(value: object) -> object:
@@ -372,8 +357,6 @@ class Layer(Section):
     """Cost per mass of the material, in any currency."""
     cost_per_m2: Amount = 0.0
     """Cost per area that does not depend on the thickness."""
-    density_kg_m3: Annotated[float, Field(ge=100.0, le=30000.0)] | None = None
-    """Density, in place of the library's."""
 
     def has_cost(self) -> bool:
         """Return whether a cost is given."""
@@ -450,8 +433,6 @@ class DesignSection(Section):
     """Quantity to minimise."""
     probability_of_stopping: RequiredProbability | None = None
     """Least probability of stopping a shot of each threat."""
-    confidence: RequiredProbability | None = None
-    """Another name of probability_of_stopping."""
     angles_as_at_normal_incidence: bool = False
     """Whether an armour with a ceramic is taken to stop a projectile at an angle as it does at normal incidence, for no
     test of that is known."""
@@ -467,12 +448,6 @@ class DesignSection(Section):
     """Greatest areal density."""
     cost_max_per_m2: Positive | None = None
     """Greatest cost per area."""
-    added_thickness_mm: ThicknessOrNone = 0.0
-    """Thickness of a layer of armour.layer without name and place."""
-    added_areal_density_kg_m2: Amount = 0.0
-    """Areal density of this layer."""
-    added_cost_per_m2: Amount = 0.0
-    """Cost per area of this layer; if it is left out, the cost of the armour is not known."""
     ceramic: Items[CeramicLayer] = ()
     """Ceramics to choose from."""
     backing: Items[BackingLayer] = ()
@@ -494,31 +469,24 @@ class DesignSection(Section):
             raise ValueError(least_scatter(percent))
         return percent
 
-    @field_validator("existing")
-    @classmethod
-    def _one_that_exists(cls, existing: str | None, info: ValidationInfo) -> str | None:
-        """Refuse ``existing`` where several back plates are on offer."""
-        if existing and sum(len(layer.thicknesses()) for layer in info.data.get("backing", ())) > 1:
-            raise ValueError(f'must be left out if there are several back plates to choose from, found "{existing}"')
-        return existing
-
     @model_validator(mode="after")
-    def _one_probability(self) -> "DesignSection":
-        if None not in (self.confidence, self.probability_of_stopping):
-            raise ValueError("must have probability_of_stopping or confidence, its other name, found both")
+    def _of_a_source(self) -> "DesignSection":
         check_scatter(self.scatter_percent, self.scatter_source)
         return self
 
-    @property
-    def required_probability(self) -> float | None:
-        """Least probability of stopping each threat that does not set its own; None if none is required."""
-        return self.confidence if self.probability_of_stopping is None else self.probability_of_stopping
+    @model_validator(mode="before")
+    @classmethod
+    def _with_former_name(cls, data: Any) -> Any:
+        """Read ``confidence``, the former name of ``probability_of_stopping``."""
+        if isinstance(data, dict) and "confidence" in data and "probability_of_stopping" not in data:
+            return {("probability_of_stopping" if key == "confidence" else key): value for key, value in data.items()}
+        return data
 
     def bound(self, threat: "Threat") -> float | None:
         """Return the greatest probability that a threat perforates; None if no probability is required."""
-        if threat.probability_of_perforation is not None or self.required_probability is None:
+        if threat.probability_of_perforation is not None or self.probability_of_stopping is None:
             return threat.probability_of_perforation
-        return 1.0 - self.required_probability
+        return 1.0 - self.probability_of_stopping
 
 
 # Wide bounds that keep the arithmetic from overflowing.
@@ -526,8 +494,6 @@ Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
 # Greatest number of samples of a scenario.
 MAX_SAMPLES = 2**22
-# Greatest number of samples of a Latin hypercube, which needs three times the memory.
-MAX_HYPERCUBE = 2**21
 # Fewer samples give no confidence interval for the 5 % quantile.
 MIN_SAMPLES = 128
 # Standard deviations within which the scenario's own value is near a given mean.
@@ -663,10 +629,8 @@ class ModelSection(Section):
 class Uncertainty(Section):
     """Distributions of the uncertain inputs, their correlations, the model error and the sampling."""
 
-    method: Literal["sobol", "latin hypercube"] = "sobol"
-    """Sampling: scrambled Sobol' points, or a Latin hypercube."""
     samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
-    """Number of samples; of Sobol' points, a power of 2."""
+    """Number of samples, which are scrambled Sobol' points: a power of 2."""
     seed: Annotated[int, Field(ge=0)] = 1
     """Seed of the random numbers."""
     impact: ImpactUncertainty = ImpactUncertainty()  # type: ignore[valid-type]
@@ -700,12 +664,10 @@ class Uncertainty(Section):
 
     @field_validator("samples")
     @classmethod
-    def _allowed_by_the_method(cls, samples: int, info: ValidationInfo) -> int:
-        if info.data.get("method") == "sobol" and samples & (samples - 1):
+    def _power_of_2(cls, samples: int) -> int:
+        if samples & (samples - 1):
             near = 2 ** samples.bit_length()
             raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
-        if info.data.get("method") == "latin hypercube" and samples > MAX_HYPERCUBE:
-            raise ValueError(f"must be at most {MAX_HYPERCUBE} for a Latin hypercube, found {samples}")
         return samples
 
     @model_validator(mode="after")

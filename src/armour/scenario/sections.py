@@ -1,10 +1,13 @@
 """Base class and types of the sections of a file, and messages for the mistakes that pydantic finds in them."""
 
+import ast
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import deepcopy
-from functools import reduce
+from functools import cache, reduce
+from inspect import getsource
+from itertools import pairwise
 from math import inf
 from operator import getitem
 from typing import Annotated, Any, TypeVar, get_origin
@@ -37,6 +40,35 @@ class Section(BaseModel):
     """Base class of the tables of a file: immutable, without unknown keys, strictly typed, with finite numbers."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
+
+    def __dir__(self) -> list[str]:
+        """List the names for completion, without the public ones of pydantic."""
+        return [name for name in super().__dir__() if name.startswith("_") or name not in vars(BaseModel)]
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> Any:
+        """Describe each key in the JSON Schema by its docstring."""
+        schema = handler(core_schema)
+        properties = handler.resolve_ref_schema(schema)["properties"]
+        for section in cls.__mro__:
+            if section in (Section, BaseModel):
+                break
+            for key, words in _docstrings(section).items():
+                properties[key].setdefault("description", words)
+        return schema
+
+
+@cache
+def _docstrings(section: type) -> dict[str, str]:
+    """Return the docstring below each key of a class, from its source; {} for a class without one."""
+    with suppress(OSError):
+        body: Any = ast.parse(getsource(section)).body[0]
+        return {
+            ast.unparse(field.target): " ".join(ast.literal_eval(below.value).split())
+            for field, below in pairwise(body.body)
+            if isinstance(field, ast.AnnAssign) and isinstance(below, ast.Expr)
+        }
+    return {}
 
 
 def above(key: str, *, or_equal: bool = False) -> AfterValidator:

@@ -5,7 +5,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
-from statistics import median
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +12,7 @@ from scipy.special import ndtri, stdtrit
 
 from armour.analysis.estimates import CONFIDENCE
 from armour.analysis.results import OnProgress, TableResult, by_column, ignore_progress
-from armour.analysis.variants import Bools, Floats, ballistic_limits
+from armour.analysis.variants import Bools, Floats
 from armour.errors import Note, joined, listed, mistake
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import LEAST_REST
@@ -27,14 +26,14 @@ from armour.statistics.likelihood import (
     MIN_P_VALUE,
     Coefficient,
     InputFit,
+    Likelihood,
     fit_inputs,
     intervals,
     likelihood_of,
     without,
 )
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
-from armour.statistics.own_tests import OwnTest, nothing_of_error, own_tests, predicted_tests, repeated, role_of, unused
-from armour.units import feet_note
+from armour.statistics.own_tests import nothing_of_error, own_tests, repeated, role_of, unused
 
 Law = Literal["constant", "ceramic", "backing", "product", "linear"]
 # Keys of the ceramic that each law fits.
@@ -84,7 +83,7 @@ ONE_SIDED = "all shots have the same outcome: if shots with the other one were l
 # Number of random permutations of the deviations in a permutation test.
 PERMUTATIONS = 4999
 # Formats of dates, of which a column has one: the day goes before the month where both are possible.
-DATE_FORMATS = ("%Y-%m-%d", "%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d/%m/%y", "%m/%d/%y")
+DATE_FORMATS = ("%Y-%m-%d", "%Y-%m-%d %H:%M:%S", "%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d/%m/%y", "%m/%d/%y")
 # A computed value may miss a bound by this much, half of the last digit shown, and still meet it.
 AT_BOUND = 0.005
 
@@ -169,8 +168,6 @@ class CalibrationResult(TableResult):
     notes : tuple of Note
         A bad fit, tests out of line with the others, and ways in which tests are unlike those that the model was
         compared with before.
-    own_tests : tuple of OwnTest
-        The limits and shots that the evidence holds, each with the limit that the others predict for it.
     reason : str
         Reason why there is no evidence; empty if there is.
     """
@@ -192,7 +189,6 @@ class CalibrationResult(TableResult):
     widened_by: float = 1.0
     evidence: Mapping[str, Any] | None = None
     notes: tuple[Note, ...] = ()
-    own_tests: tuple[OwnTest, ...] = ()
     reason: str = ""
 
     def _columns(self) -> dict[str, Any]:
@@ -243,10 +239,9 @@ def calibrate(
         not end.
     """
     fit = tuple(fit)
-    common = common_of(scenario)
-    if different := [name for name, value in common_of(tests.scenario).items() if common[name] != value]:
-        message = f"must be the one that the tests were read with, found other {' and '.join(different)}"
-        raise mistake("calibrate", "scenario", f"{message}; read_tests reads them with this one")
+    if common_of(scenario) != common_of(tests.scenario):
+        message = "must be the one that the tests were read with; read_tests reads them with this one"
+        raise mistake("calibrate", "scenario", message)
     for role in ROLES:
         entry = tests.groups[0].scenario.entry_of(role) if any(name.startswith(f"{role}.") for name in fit) else None
         if entry is not None and entry.evidence is not None:
@@ -258,11 +253,12 @@ def calibrate(
         raise mistake("calibrate", "fit", "must name at least one input")
     if law is not None and FLOW_STRESS not in fit:
         raise mistake("calibrate", "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
-    best, result = fit_by_law(tests, fit, law, on_progress)
-    result = replace(result, coefficients=intervals(best))
-    tests_by_law = replace(tests, groups=best.likelihood.tests.groups)
+    groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
+    by_law = replace(tests, groups=groups, scenario=with_law(scenario, law))
+    names = [*dict.fromkeys([*fit, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
+    result = _fit_of(likelihood_of(by_law, names, on_progress), law)
     question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
-    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
+    return _with_evidence(result, by_law, fit).of(subject_of(tests), **question)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
@@ -276,54 +272,36 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     if not values and len(result.coefficients) == 1:
         values = {name: scenario.inputs()[name] for name in inputs}
         notes = [f"{name} stays at {value:g}: the tests do not identify it" for name, value in values.items()]
-    entry = scenario.entry_of(inputs[0].partition(".")[0])
-    role, stored = role_of(tests, inputs) if len(values) == len(result.coefficients) else "", None
-    reasons = unused(tests, role) if role else [""] * len(result.residuals)
+    role = role_of(tests, inputs) if len(values) == len(result.coefficients) else ""
+    reasons = unused(tests, role) if role else []
     used = [place for place, reason in enumerate(reasons) if not reason]
-    if role:
-        stored = own_tests(tests, values, used, [result.residuals[place].computed for place in used])
-    left_out = [
-        f"not used for the probability of stopping: {listed([_line(tests, i) for i in places])}: {reason}"
-        for reason in dict.fromkeys(filter(None, reasons))
-        for places in [[i for i, other in enumerate(reasons) if other == reason]]
+    places = {reason: [i for i, other in enumerate(reasons) if other == reason] for reason in filter(None, reasons)}
+    doubts = [
+        f"not used for the probability of stopping: {listed([_line(tests, i) for i in where])}: {reason}"
+        for reason, where in places.items()
     ]
-    implausible, doubtful = list[str](), set[int]()
-    if stored is not None and entry is not None:
+    doubts += tests.read.warnings if tests.read else ()
+    entry, doubtful = scenario.entry_of(role) if role else None, set[int]()
+    stored = own_tests(tests, values, used) if entry else None
+    if entry and stored:
         evidence = own_evidence(entry, stored)
         doubtful = {used[place] for place in evidence.doubtful}
         if not evidence.fits:
-            stored, implausible = None, [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
-            doubtful = set()
+            doubts += [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
+            stored, doubtful = None, set()
     if stored is not None:
         notes += repeated(tests)
-        predictions = predicted_tests(entry, stored) if entry is not None else ()
-        result = replace(result, evidence=stored.model_dump(exclude_none=True), own_tests=predictions)
+        result = replace(result, evidence=stored.model_dump(exclude_none=True, exclude_defaults=True))
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         result = replace(result, reason=nothing_of_error(scenario))
         notes = [f"of the entry, {result.reason}"]
-    deviating = (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
-    how_read = tests.read.warnings if tests.read else ()
-    before = *left_out, *how_read, *_in_feet(tests), *implausible, *deviating
-    return replace(result, notes=(*map(Note, before), *result.notes, *map(Note, notes)))
+    doubts += (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
+    return replace(result, notes=(*map(Note, doubts), *result.notes, *map(Note, notes)))
 
 
-def under_law(tests: Tests, inputs: Sequence[str], law: Law | None) -> tuple[Tests, list[str]]:
-    """Return the tests with a law of the flow stress, their own if it is None, and the names of all inputs to fit."""
-    groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    names = dict.fromkeys([*inputs, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])
-    return replace(tests, groups=groups, scenario=with_law(tests.scenario, law)), [*names]
-
-
-def fit_by_law(
-    tests: Tests, inputs: Sequence[str], law: Law | None, on_progress: OnProgress = ignore_progress
-) -> tuple[InputFit, CalibrationResult]:
-    """Fit inputs with one law, and return the fit and its result.
-
-    The result lacks its coefficients, as their intervals are slow to compute.  A scatter is assumed if there are too
-    few tests to estimate it.
-    """
-    tests, inputs = under_law(tests, inputs, law)
-    likelihood = likelihood_of(tests, inputs, on_progress)
+def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
+    """Return the result of a fit, without its evidence; a scatter is assumed for too few tests to estimate it."""
+    tests = likelihood.tests
     too_few = not tests.weighted and likelihood.usable < likelihood.needed
     if too_few:
         tests = with_scatter(tests, LEAST_REST)
@@ -345,11 +323,11 @@ def fit_by_law(
     correlation = fit.covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
     measured_values = [r for r in residuals if not r.bound]
-    return fit, CalibrationResult(
+    return CalibrationResult(
         tests=tests.file,
-        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in inputs else "",
+        law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in likelihood.names else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=(),
+        coefficients=intervals(fit),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in measured_values]),
@@ -362,10 +340,7 @@ def fit_by_law(
         p_value=fit.p_value,
         widened_by=fit.widened_by,
         notes=(
-            *map(Note, _bad_fit(fit)),
-            *([Note(ASSUMED)] if too_few else []),
-            *[Note(ONE_SIDED)] * (len({m.side for m in tests.measurements}) == 1 and bool(tests.measurements[0].side)),
-            *map(Note, _outside_limits(tests)),
+            *map(Note, _doubts(fit, assumed=too_few)),
             *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )
@@ -430,18 +405,16 @@ def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
     deviations = deviations - deviations.mean() if places else deviations
     for column in ORIGINS:
         names = np.array([str(tests.cells[tests.measurements[i].test].get(column, "")) for i in places])
-        remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
-        if column not in SERIES_COLUMNS:
-            remedy = "find out what differed, and make it a column"
-            if len(days := _days(names)) and np.ptp(days):
-                since = days - days.mean()
-                if (chance := _chance(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
-                    drift = 100.0 * np.expm1(deviations @ since / (since @ since) * np.ptp(days))
-                    yield (
-                        f"the deviations drift with the {column}: {drift:+.1f} % from {names[days.argmin()]} to "
-                        f"{names[days.argmax()]}; {_by_chance(chance)}; {remedy}"
-                    )
-                    continue
+        remedy = "find out what differed, and make it a column"
+        if column in SERIES_COLUMNS:
+            remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
+        elif len(days := _days(names)) and np.ptp(days):
+            since = days - days.mean()
+            if (chance := _chance(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
+                drift = 100.0 * np.expm1(deviations @ since / (since @ since) * np.ptp(days))
+                ends = f"from {names[days.argmin()]} to {names[days.argmax()]}"
+                yield f"the deviations drift with the {column}: {drift:+.1f} % {ends}; {_by_chance(chance)}; {remedy}"
+                continue
         has_name = names == np.unique(names)[:, None]
         counts = has_name.sum(axis=1)
         if len(counts) > 1 and (chance := _chance(deviations, has_name, counts)) < FALSE_ALARMS:
@@ -469,9 +442,7 @@ def _days(cells: Iterable[str]) -> Floats:
     """Return the days of dates, (n,), by the first format that all have; none if they have none."""
     for form in DATE_FORMATS:
         with suppress(ValueError):
-            return np.array(
-                [datetime.strptime(cell.replace("T", " ").partition(" ")[0], form).toordinal() for cell in cells], float
-            )
+            return np.array([datetime.strptime(cell, form).toordinal() for cell in cells], float)
     return np.empty(0)
 
 
@@ -482,33 +453,24 @@ def _line(tests: Tests, place: int) -> str:
     return line if name == line else f"{line} ({name})"
 
 
-def _in_feet(tests: Tests) -> Iterator[str]:
-    """Yield a warning if measured limits and velocities seem to be in ft/s, as the model's are so much smaller."""
-    measured = [m.value for m in tests.measurements if m.quantity == LIMIT]
-    if not measured:
-        return
-    computed = float(np.median(np.concatenate([ballistic_limits(group.variants()) for group in tests.groups])))
-    if np.isfinite(computed) and (note := feet_note(median(measured), computed)):
-        yield note
-
-
-def _outside_limits(tests: Tests) -> Iterator[str]:
-    """Return warnings of tests that are unlike those the model was compared with, each with the number of tests."""
+def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
+    """Yield warnings of a bad fit, of a scatter that is assumed, and of tests unlike those of the model."""
+    tests = fit.likelihood.tests
+    if fit.p_value is not None and fit.p_value < MIN_P_VALUE:
+        yield (
+            "the deviations are larger than the uncertainties given explain: chi-squared "
+            f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
+            f"the intervals are widened by {fit.widened_by:.2f}, and the model or the uncertainties are wrong"
+        )
+    if assumed:
+        yield ASSUMED
+    if {m.side for m in tests.measurements} in ({1}, {-1}):
+        yield ONE_SIDED
     counts: Counter[str] = Counter()
     for group in tests.groups:
         counts.update(dict(group.variants().outside_limits(velocities=False)))
-    return (f"{limit}; this concerns {count} of {len(tests.names)} tests" for limit, count in counts.items())
-
-
-def _bad_fit(fit: InputFit) -> tuple[str, ...]:
-    """Return a warning if the deviations are larger than the uncertainties explain."""
-    if fit.p_value is None or fit.p_value >= MIN_P_VALUE:
-        return ()
-    return (
-        "the deviations are larger than the uncertainties given explain: chi-squared "
-        f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "
-        f"the intervals are widened by {fit.widened_by:.2f}, and the model or the uncertainties are wrong",
-    )
+    for limit, count in counts.items():
+        yield f"{limit}; this concerns {count} of {len(tests.names)} tests"
 
 
 def _left_out(fit: InputFit) -> Floats:

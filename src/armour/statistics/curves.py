@@ -48,14 +48,8 @@ STARTS = np.geomspace(1e-2, 5e3, 97)
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
-# Loss of log-likelihood up to which another maximum is nearly as likely; relative difference up to which two are one.
-NEARLY, SAME = 0.5, 1e-3
 # Decimals of log-likelihoods beyond which they differ by rounding alone.
 EQUAL = 9
-# More shots than MANY are condensed in cells of velocity: first in FIRST_CELLS cells with equal numbers of shots, then
-# in cells that are FINENESS scatters wide near V50, and wider far from it.  The NEAREST shots of each kind to the other
-# kind are kept as they are.
-MANY, FIRST_CELLS, FINENESS, NEAREST = 250, 40, 0.2, 20
 # Number of velocities at which a band is computed.
 BAND_NODES = 13
 # In the penalty, velocities are clipped to the middle range of the shots, which leaves out one in OUTER at either end,
@@ -92,9 +86,6 @@ class FittedCurve:
     v50_lower_m_s, v05_lower_m_s : float or None
         One-sided lower confidence bounds of V50 and V05, m/s, at the confidence level of the intervals; None if the
         shots do not bound them, and for curves of maximum likelihood.
-    second_v50_m_s, second_scale_m_s : float or None
-        V50 and scale of a second curve, m/s, if the penalised likelihood has another maximum that is nearly as high:
-        its logarithm is less by at most 0.5.
     """
 
     curve: Link
@@ -110,8 +101,6 @@ class FittedCurve:
     v95_interval_m_s: Interval | None = None
     v50_lower_m_s: float | None = None
     v05_lower_m_s: float | None = None
-    second_v50_m_s: float | None = None
-    second_scale_m_s: float | None = None
 
     @checked
     def probability(self, velocity_m_s: float) -> float:
@@ -187,7 +176,7 @@ class ShotLikelihood:
         self.mean, self.deviation = float(velocities.mean()), float(velocities.std())
         x = (velocities - self.mean) / self.deviation
         signs = np.repeat([-1.0, 1.0], [len(partial), len(complete)])
-        self.x, self.signs, self.counts = x, signs, np.ones(len(x))
+        self.x, self.signs = x, signs
         self.link, self.penalised = link, penalised
         # For any slope, V50 is near a shot or between two neighbours.
         ordered = np.unique(x)
@@ -198,58 +187,24 @@ class ShotLikelihood:
         self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
         low, high = np.sort(x)[[len(x) // OUTER, -1 - len(x) // OUTER]]
         self.nearby = low - FAR * (high - low), high + FAR * (high - low)
-        if len(x) > MANY:
-            self._condense(x, signs, np.quantile(x, np.linspace(0.0, 1.0, FIRST_CELLS + 1)[1:-1]))
-        self.second: Curve | None = None
         if self.separated:
             # All V50s in the gap are equally likely.  If both kinds share a velocity in place of a gap, the probability
             # at it is that of its complete penetrations.
             share = (signs[x == lowest] > 0.0).mean() if lowest == highest else 0.5
             self.mode = self._curve(np.array([INVERSE_CDFS[link](share) - STEEP * self.middle, STEEP]))
         else:
-            self.mode, self.second = self._likeliest()
-            if len(x) > MANY and self.mode.slope > 0.0:
-                intercept, slope, _ = self.mode
-                first, last = np.arcsinh(intercept + slope * ordered[[0, -1]])
-                self._condense(x, signs, (np.sinh(np.arange(first, last, FINENESS)) - intercept) / slope)
-                self.mode, self.second = self._likeliest()
+            self.mode = self._likeliest()
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
 
-    def _condense(self, x: Floats, signs: Floats, edges: Floats) -> None:
-        """Replace the shots of a kind in a cell by two weighted points with the same mean, variance and third moment.
-
-        `x`, (n,), are the velocities of all shots; `signs`, (n,), are 1 for complete and -1 for partial penetrations.
-        `edges` separate the cells.
-        """
-        parts = []
-        for sign in (-1.0, 1.0):
-            ordered = sign * np.sort(sign * x[signs == sign])  # those nearest to the other kind come first
-            near, far = ordered[:NEAREST], ordered[NEAREST:]
-            _, cells, counts = np.unique(np.searchsorted(edges, far), return_inverse=True, return_counts=True)
-            means = np.bincount(cells, far) / counts
-            deviations = np.sqrt(np.bincount(cells, (far - means[cells]) ** 2) / counts) + 1e-12
-            half_skew = 0.5 * np.bincount(cells, ((far - means[cells]) / deviations[cells]) ** 3) / counts
-            root = np.sqrt(1.0 + half_skew**2)
-            places = np.concatenate(
-                [near, means + deviations * (half_skew - root), means + deviations * (half_skew + root)]
-            )
-            shares = 0.5 + 0.5 * np.array([half_skew, -half_skew]) / root
-            weights = np.concatenate([np.ones(len(near)), *(shares * counts)])
-            parts.append((places, np.full(len(places), sign), weights))
-        self.x, self.signs, self.counts = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-
-    def _likeliest(self) -> tuple[Curve, Curve | None]:
-        """Return the likeliest curve, and the next maximum of the likelihood that is nearly as high, if there is one.
+    def _likeliest(self) -> Curve:
+        """Return the likeliest curve.
 
         Each maximum over a grid of slopes is refined: the penalised likelihood can have several.
         """
         lines = [_points_with_slope(self._intercepts(slope), slope) for slope in STARTS]
         values = [self._values(points) for points in lines]
         profile = np.array([each.max() for each in values])
-        maxima = [self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)]
-        best, *others = sorted(maxima, key=VALUE, reverse=True)
-        near = (curve for curve in others if curve.value >= best.value - NEARLY and curve.slope > 0.0)
-        return best, next((curve for curve in near if not np.allclose(curve[:2], best[:2], rtol=SAME, atol=SAME)), None)
+        return max((self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)), key=VALUE)
 
     def _refined(self, start: Floats) -> Curve:
         """Return the curve at the maximum of the likelihood near a point, an intercept and a slope, (2,)."""
@@ -262,7 +217,7 @@ class ShotLikelihood:
 
         `z`, (m, n), is intercept + slope * x of each curve at each shot.
         """
-        return (self.counts * LOG_CDFS[self.link](self.signs * z)).sum(axis=1)
+        return LOG_CDFS[self.link](self.signs * z).sum(axis=1)
 
     def _values(self, points: Floats) -> Floats:
         """Return the log-likelihoods of m curves, (m,), with the penalty if there is one.
@@ -288,7 +243,7 @@ class ShotLikelihood:
         x = self.x if self.nearby[0] == self.nearby[1] else self.x.clip(*self.nearby)
         log_weights = LOG_INFORMATION[self.link](points[:, :1] + points[:, 1:] * x)
         greatest = log_weights.max(axis=1)
-        weights = self.counts * np.exp(log_weights - greatest[:, None])
+        weights = np.exp(log_weights - greatest[:, None])
         total = weights.sum(axis=1)
         centre = weights @ x / total
         spread = (weights * (x - centre[:, None]) ** 2).sum(axis=1)
@@ -445,7 +400,6 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         return None
     scale = 0.0 if shots.separated else deviation / b
     narrowest, widest = shots.scale_interval(float(ndtri(0.5 + 0.5 * confidence)))
-    second = shots.second if penalised else None
     return FittedCurve(
         curve=shots.link,
         v50_m_s=v50,
@@ -460,8 +414,6 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
         v95_interval_m_s=shots.velocity_interval(z95, confidence) if penalised else None,
         v50_lower_m_s=shots.lower_bound(0.0, confidence) if penalised else None,
         v05_lower_m_s=shots.lower_bound(-z95, confidence) if penalised else None,
-        second_v50_m_s=mean - deviation * second.intercept / second.slope if second else None,
-        second_scale_m_s=deviation / second.slope if second else None,
     )
 
 

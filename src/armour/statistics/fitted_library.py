@@ -177,7 +177,7 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
             entries[name] = _base_of(entry, result.law)
             if result.evidence is not None or role != "projectile":
                 reason = {"reason": result.reason or NOTHING_OF_ERROR}
-                entries[name]["evidence"] = {**(result.evidence or reason), "lot": lot}
+                entries[name]["evidence"] = {"lot": lot, **(result.evidence or reason)}
             value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, names

@@ -167,7 +167,6 @@ class Precision:
     """How precisely tests determine inputs."""
 
     covariance: Floats  # of the inputs in their units, (k, k)
-    spread: float  # the scatter, corrected for the number of fitted inputs; 1 if uncertainties are given
     degrees_of_freedom: float
     chi_squared: float  # of the measured values
     p_value: float | None
@@ -315,7 +314,7 @@ def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precisi
     if p_value is not None and p_value < MIN_P_VALUE:
         widened_by = sqrt(chi_squared / freedom)
         threshold = (widened_by * float(stdtrit(freedom, UPPER))) ** 2
-    return Precision(covariance * widened_by**2, 1.0, freedom, chi_squared, p_value, widened_by, threshold)
+    return Precision(covariance * widened_by**2, freedom, chi_squared, p_value, widened_by, threshold)
 
 
 def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
@@ -337,7 +336,6 @@ def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter
     joint_rows *= sqrt(freedom / equivalent)
     return Precision(
         covariance=_inverted(joint_rows, count)[0],
-        spread=scatter * sqrt(equivalent / freedom),
         degrees_of_freedom=freedom,
         chi_squared=float((z[exact] ** 2).sum()) * scatter**2,
         p_value=None,

@@ -24,7 +24,7 @@ from armour.csv_files import (
 )
 from armour.errors import InputError, counted, joined
 from armour.scenario.checked import Names, Table, checked
-from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, ROLES, VELOCITY
+from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, VELOCITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 
 LIMIT, RESIDUAL, MASS, OUTCOME = "ballistic_limit_m_s", "residual_velocity_m_s", "residual_mass_g", "outcome"
@@ -117,7 +117,7 @@ class Tests:
             yield {"test": name, **{column: cells.get(column) for column in columns if column != "test"}}
 
     def to_dataframe(self) -> Any:
-        """Return the tests as a data frame of pandas, or else of polars: inputs and measurements by column."""
+        """Return the tests as a data frame of pandas: inputs and measurements by column."""
         return data_frame(by_column(self))
 
 
@@ -137,11 +137,10 @@ def subject_of(tests: Tests) -> str:
     return f"Tests of {tests.scenario.subject({**ANY_VELOCITY, **names, **inputs})}"
 
 
-def common_of(scenario: Scenario) -> dict[str, object]:
-    """Return what tests can have in common: sections of a scenario, and its values from the library."""
-    sections = ("impact", "armour", "model", "solver", "ballistic_limit")
-    values = {name: value for name, value in scenario.inputs().items() if name.split(".")[0] in ROLES}
-    return {**{name: getattr(scenario, name) for name in sections}, "values of the library": values}
+def common_of(scenario: Scenario) -> tuple[object, ...]:
+    """Return what tests can have in common: sections of a scenario, and its inputs with those of the library."""
+    sections = scenario.impact, scenario.armour, scenario.model, scenario.solver, scenario.ballistic_limit
+    return *sections, scenario.inputs()
 
 
 @checked

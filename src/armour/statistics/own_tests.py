@@ -4,19 +4,18 @@ A law is one of the flow stress of a ceramic, or the fit to shipped tests of bar
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from armour.analysis.variants import MOST_MOVED_M_S, Floats, Variants, ballistic_limits, concatenated, moved_m_s
+from armour.analysis.variants import Floats, Variants, ballistic_limits, concatenated
 from armour.csv_files import shipped_rows
 from armour.errors import counted
 from armour.evidence.caveats import is_long_rod
-from armour.evidence.fit import law_parameters, mixture_of, shipped_data
+from armour.evidence.fit import law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armours_of, is_outside, own_evidence, shipped_evidence
+from armour.evidence.tests import armours_of, is_outside, shipped_evidence
 from armour.scenario import library
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
@@ -32,8 +31,6 @@ UNTESTED_DEVIATION = 0.40
 # steps, change of the logarithm for the derivative of the limit's logarithm, and least value of this derivative, which
 # is 0.35 to 0.62 for most armours.
 FACTOR, STEPS, STEP, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
-# Greatest number of own tests that are predicted, each from the others.
-MOST_PREDICTED = 60
 NOTHING_OF_ERROR = "the tests that it was calibrated to do not determine the model error"
 # What identifies a test: layers, angle, penetrator and measured limit.
 PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
@@ -118,7 +115,6 @@ def unused(tests: Tests, role: str) -> list[str]:
     is_bare = q["ceramic_thickness_ratio"] == 0.0
     leave_out(is_bare & (role == "ceramic"), "it is of a bare plate")
     leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
-    leave_out(abs(moved_m_s(variants)) > MOST_MOVED_M_S, "settings of the scenario move its limit")
     evidence = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
     if role == "backing":
         held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence()]
@@ -135,14 +131,11 @@ def unused(tests: Tests, role: str) -> list[str]:
     return reasons.tolist()
 
 
-def own_tests(
-    tests: Tests, fitted: Mapping[str, float], used: Sequence[int], computed_m_s: Sequence[float] = ()
-) -> OwnTests | None:
+def own_tests(tests: Tests, fitted: Mapping[str, float], used: Sequence[int]) -> OwnTests | None:
     """Return the tests as stored in a calibrated entry; None if they do not determine the model error.
 
     `fitted` has the fitted values by input, of the role that `role_of` returns.  `used` are the places of the
-    measurements that `unused` has no reason against, and `computed_m_s` their limits by the calibrated model, if they
-    are to be stored.
+    measurements that `unused` has no reason against.
     """
     shots = [tests.measurements[place] for place in used]
     role, scenario = next(iter(fitted)).partition(".")[0], tests.groups[0].scenario
@@ -169,86 +162,8 @@ def own_tests(
         source=f"{counted(len({shot.test for shot in shots}), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
         tests={name: _rounded(q[name]) for name in stored_keys},
-        names=tuple(
-            ", ".join(filter(None, (tests.names[m.test], *origin))) for m, origin in zip(shots, series, strict=True)
-        )
-        if tests.names != tests.places or any(map(any, series))
-        else (),
-        calibrated_m_s=_rounded(np.array(computed_m_s)),
         law=laws,
     )
-
-
-@dataclass(frozen=True)
-class OwnTest:
-    """An own test of a lot, and the limit that the other own tests of the lot predict for its armour and round.
-
-    Attributes
-    ----------
-    name : str
-        Name of the test, with its laboratory and series; empty if the name is not kept.
-    ceramic_thickness_mm, backing_thickness_mm, obliquity_deg, penetrator_diameter_mm : float
-    bound : {"", "at least", "at most"}
-        Bound on the limit that a shot gives; empty for a measured limit.
-    measured_m_s, uncertainty_m_s : float
-        The limit, or the velocity of a shot, and its standard deviation, m/s.
-    computed_m_s : float or None
-        Ballistic limit by the model with the calibrated entry, m/s; None if it is not kept.
-    predicted_m_s : float
-        Ballistic limit that the armour exceeds with a probability of 50 %, given the other tests, m/s.
-    interval_m_s : tuple of float
-        Interval in which the limit lies with a probability of 95 %, given the other tests, m/s.
-    out_of_line : bool
-        Whether the test is out of line with the others.
-    """
-
-    name: str
-    ceramic_thickness_mm: float
-    backing_thickness_mm: float
-    obliquity_deg: float
-    penetrator_diameter_mm: float
-    bound: str
-    measured_m_s: float
-    uncertainty_m_s: float
-    computed_m_s: float | None
-    predicted_m_s: float
-    interval_m_s: tuple[float, float]
-    out_of_line: bool
-
-
-def predicted_tests(entry: LibraryEntry, kept: OwnTests) -> tuple[OwnTest, ...]:
-    """Return the own tests `kept` in an entry, each with its limit as predicted from the others.
-
-    Return none if the tests do not determine the model error, or are more than can be predicted within seconds.
-    """
-    evidence = own_evidence(entry, kept)
-    if not evidence.fits or len(kept.tests["side"]) > MOST_PREDICTED:
-        return ()
-    q, predicted = evidence.fits[0].own[0].tests.quantities, list[OwnTest]()
-    computed = np.array([law.computed_m_s for law in kept.law])
-    for place, side in enumerate(kept.tests["side"]):
-        values = {name: float(column[place]) for name, column in q.items()}
-        others = [fit.without(np.arange(len(computed[0])) == place) for fit in evidence.fits]
-        limit = mixture_of(others, {name: column[[place]] for name, column in q.items()}).times(computed[:, [place]])
-        low, median, high = (float(limit.quantile(np.array([chance]))[0]) for chance in (0.025, 0.5, 0.975))
-        diameter, path = values["rod_diameter_mm"], values["path_ratio"]
-        predicted.append(
-            OwnTest(
-                name=kept.names[place] if kept.names else "",
-                ceramic_thickness_mm=values["ceramic_thickness_ratio"] * diameter / path,
-                backing_thickness_mm=values["backing_thickness_ratio"] * diameter / path,
-                obliquity_deg=float(np.degrees(np.arccos(1.0 / path))),
-                penetrator_diameter_mm=diameter,
-                bound=("", "at least", "at most")[int(side)],
-                measured_m_s=values["velocity_m_s"],
-                uncertainty_m_s=values["uncertainty_m_s"],
-                computed_m_s=kept.calibrated_m_s[place] if kept.calibrated_m_s else None,
-                predicted_m_s=median,
-                interval_m_s=(low, high),
-                out_of_line=place in evidence.doubtful,
-            )
-        )
-    return tuple(predicted)
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:

@@ -14,11 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtr, ndtri
 
-from armour.analysis.ballistic_limit import no_error
 from armour.analysis.variants import Floats
-from armour.errors import InputError, mistake
 from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
-from armour.scenario.scenario import Scenario
 
 # Probability of V50 beyond each end of the first grid, and the multiples of the limit that bound its ends.
 GRID_TAIL, LEAST_MULTIPLE, GREATEST_MULTIPLE = 1e-9, 0.01, 10.0
@@ -75,43 +72,6 @@ class FiringPrior(NamedTuple):
         """Return the log-density, up to a constant, at V50s, m/s, and logarithms of scatter / V50."""
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
         return self.error.ratio.log_density(v50 / self.limit_m_s) - 0.5 * z * z
-
-
-# For earlier firings: nodes of V50 and of the scatter; V50 is uniform up to this fraction of it beyond the shots.
-POOL_NODES, BEYOND_SHOTS = (401, 121), 0.1
-# Nodes of the standard deviation, between firings, of the logarithm of the scatter, in units of its half-normal scale;
-# and this scale as a fraction of the logarithm of the factor.  Reported scatters, with the noise of few shots, vary by
-# a factor of 1.7.
-BETWEEN, FRACTION = np.linspace(0.2, 3.0, 29), 0.4
-
-
-def pooled_scatter(
-    firings: Sequence[tuple[Sequence[float], Sequence[bool]]], percent: float, factor: float
-) -> tuple[float, float]:
-    """Return the expected scatter of a further firing, given earlier ones: median, % of V50, and factor.
-
-    The factor is one standard deviation of the scatter's logarithm; `percent` and `factor` are expected without earlier
-    firings.  Each of the `firings` is its velocities, m/s, and whether each was complete.
-
-    The scatters of firings are log-normal about a common median, which is log-normal too; the standard deviation of
-    their logarithms is half-normal.  The V50 of a firing is unknown: its likelihood is the mean over all V50s.
-    """
-    log_median, log_deviation = log(percent / 100.0), log(factor) * (1.0 - FRACTION**2) ** 0.5
-    log_ratio = log_median + np.linspace(-SCATTER_ENDS, SCATTER_ENDS, POOL_NODES[1]) * log(factor)
-    between = BETWEEN[:, None, None] * FRACTION * log(factor)
-    # Probabilities of the scatter of a firing, (between, medians, scatters), given between and the median.
-    scatter_probabilities = np.exp(-0.5 * ((log_ratio[:, None] - log_ratio) / between) ** 2)
-    scatter_probabilities /= scatter_probabilities.sum(axis=2, keepdims=True)
-    log_weights = -0.5 * (BETWEEN[:, None] ** 2 + ((log_ratio - log_median) / log_deviation) ** 2)
-    for velocities, complete in firings:
-        v50 = np.linspace(min(velocities) * (1.0 - BEYOND_SHOTS), max(velocities) * (1.0 + BEYOND_SHOTS), POOL_NODES[0])
-        grid = V50Grid.over(v50, log_ratio)
-        likelihood = np.exp(grid.log_likelihood(velocities, complete)).reshape(grid.shape).mean(axis=0)
-        log_weights += np.log(np.maximum(scatter_probabilities @ likelihood, 1e-300))
-    weights = normalised(log_weights)
-    mean = float((weights @ log_ratio).sum())
-    variance = float((weights * ((log_ratio - mean) ** 2 + between[:, :, 0] ** 2)).sum())
-    return 100.0 * float(np.exp(mean)), float(np.exp(variance**0.5))
 
 
 def normalised(log_weights: Floats) -> Floats:
@@ -201,26 +161,10 @@ class Posterior(NamedTuple):
 
     def probability_above(self, velocity_m_s: float, fraction: float) -> float:
         """Return the probability that the velocity at which `fraction` of shots perforate exceeds `velocity_m_s`."""
-        return float(expected(is_above(self.grid, velocity_m_s, fraction), self.weights))
-
-
-def is_above(grid: V50Grid, velocity_m_s: float, fraction: float) -> Floats:
-    """Return 1 at points where the velocity at which `fraction` of the shots perforate exceeds `velocity_m_s`, else 0.
-
-    Near `velocity_m_s`, the result changes linearly over the distance of two neighbouring V50s.
-    """
-    excess = grid.v50_m_s + float(ndtri(fraction)) * grid.scatter_m_s - velocity_m_s
-    step = np.diff(grid.v50_m_s[:: grid.shape[1]]).mean()
-    return np.clip(0.5 + excess / step, 0.0, 1.0)
-
-
-def no_prior(scenario: Scenario) -> InputError:
-    """Return the error to raise if a prior is needed and the model error of the scenario is not known."""
-    return mistake(
-        scenario.file,
-        "uncertainty.model",
-        f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}",
-    )
+        excess = self.grid.v50_m_s + float(ndtri(fraction)) * self.grid.scatter_m_s - velocity_m_s
+        step = np.diff(self.grid.v50_m_s[:: self.grid.shape[1]]).mean()
+        # Near the velocity, the share of a point changes linearly over the distance of two neighbouring V50s.
+        return float(expected(np.clip(0.5 + excess / step, 0.0, 1.0), self.weights))
 
 
 def posterior_of(

@@ -79,8 +79,6 @@ class UncertaintyResult(TableResult):
     Attributes
     ----------
     samples, seed : int
-    method : str
-        Sampling method.
     confidence : float
         Confidence level of the intervals.
     probability_of_perforation : Estimate or None
@@ -108,7 +106,6 @@ class UncertaintyResult(TableResult):
 
     samples: int
     seed: int
-    method: str
     confidence: float
     probability_of_perforation: Estimate | None
     limit_quantiles_m_s: Mapping[str, Estimate]
@@ -158,7 +155,6 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     return UncertaintyResult(
         samples=section.samples,
         seed=section.seed,
-        method=section.method,
         confidence=CONFIDENCE,
         probability_of_perforation=None if error is None else perforated.at_least(1.0 - error.greatest_probability),
         limit_quantiles_m_s={str(probability): quantile(limits, probability) for probability in QUANTILES},

@@ -9,23 +9,23 @@ from statistics import median
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PlainValidator
+from pydantic import Field
 
 from armour import csv_files
-from armour.analysis.ballistic_limit import LimitResult, ballistic_limit
+from armour.analysis.ballistic_limit import LimitResult, ballistic_limit, no_error
 from armour.analysis.estimates import CONFIDENCE, Confidence
 from armour.analysis.results import EachResult, OnProgress, TableResult, by_column, ignore_progress
 from armour.columns import GROUPS, YES_MEANS, column_of, columns_of, perforates
 from armour.csv_files import Source, TableRead
 from armour.errors import NoAnswerError, Note, Problem, mistake, refuse
 from armour.foreign import items
-from armour.scenario.checked import Names, Table, checked, is_number, several
+from armour.scenario.checked import FloatOrArray, Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import curves
 from armour.statistics.curves import FittedCurve, Interval, ShotLikelihood
 from armour.statistics.lots import V50Difference, difference_of
-from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, no_prior, posterior_of
+from armour.statistics.posterior import FiringEstimate, FiringPrior, learned, posterior_of
 from armour.units import feet_note
 
 # Usual span of the velocities in the mean, m/s, by the number of shots of each kind: 125, 90 and 60 ft/s.
@@ -45,12 +45,15 @@ Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
 Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
-# Columns that a table of shots needs, and all that it can have.
-KEYS = ("velocity_m_s", "result")
 # Column in which `plan shots` keeps what the shots are fired at.
 TARGET = "armour and round"
 SHOTS = csv_files.TableKind(
-    "shot", ("velocity_m_s",), ("shot", "result", TARGET), KEYS, "velocity_m_s, shot, result", (TARGET,)
+    "shot",
+    ("velocity_m_s",),
+    ("shot", "result", TARGET),
+    ("velocity_m_s", "result"),
+    "velocity_m_s, shot, result",
+    (TARGET,),
 )
 SHOT_COLUMNS = (*SHOTS.keys, *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
@@ -66,15 +69,6 @@ SWAPPED = 20
 def _is_result(value: object) -> bool:
     """Return whether a value is true or false, or 1 or 0."""
     return isinstance(value, int | float) and value in (True, False)
-
-
-def _velocities(argument: object) -> tuple[float, ...]:
-    """Return velocities that a curve is asked for; raise a ValueError if they are wrong."""
-    must = f"must be a sequence of velocities of 0 to {MAX_VELOCITY_M_S:g} m/s"
-    velocities = several(argument, lambda value: is_number(value) and 0.0 <= value <= MAX_VELOCITY_M_S, must)
-    if not velocities:
-        raise ValueError(f"{must}, found none")
-    return tuple(map(float, velocities))
 
 
 @dataclass(frozen=True, init=False)
@@ -327,9 +321,7 @@ class FiringResult(TableResult):
         return difference_of(first, other, confidence or self.confidence)
 
     @checked
-    def band(
-        self, velocities_m_s: Annotated[Iterable[float], PlainValidator(_velocities)] | None = None
-    ) -> list[dict[str, Any]]:
+    def band(self, velocities_m_s: FloatOrArray | None = None) -> list[dict[str, Any]]:
         """Return the recommended curve with its pointwise confidence band, as rows.
 
         Parameters
@@ -354,8 +346,11 @@ class FiringResult(TableResult):
             slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
             margin = 0.5 * (fastest - slowest)
             ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
-            velocities_m_s = np.linspace(*ends, BAND_POINTS).tolist()
-        velocities = [*velocities_m_s]
+            velocities_m_s = np.linspace(*ends, BAND_POINTS)
+        velocities = np.ravel(velocities_m_s).tolist()
+        if not velocities or not all(0.0 <= velocity <= MAX_VELOCITY_M_S for velocity in velocities):
+            message = f"must be velocities of 0 to {MAX_VELOCITY_M_S:g} m/s, found {describe(velocities)}"
+            raise mistake("band", "velocities_m_s", message)
         partial, complete = shots.of(complete=False), shots.of(complete=True)
         low, high = curves.penalised_band(partial, complete, curve.curve, velocities, self.confidence)
         return [
@@ -441,16 +436,6 @@ def read_shots(
     return shots_of(csv_files.open_table(path, is_of_shots, sheet), one_kind=one_kind, where=where, ignore=ignore)
 
 
-def refuse_remarks(shots: Shots) -> None:
-    """Raise an InputError if a column that is not read has remarks on shots: no requirement is decided over them."""
-    refuse(
-        Problem(
-            shots.file, "", f"{remark}; for a requirement, leave shots out by a column counts, or --ignore this one"
-        )
-        for remark in (shots.read.warnings if shots.read else ())
-    )
-
-
 def is_of_shots(name: str) -> bool:
     """Return whether a name is that of a column of a table of shots."""
     return column_of(name, SHOT_COLUMNS).known
@@ -460,12 +445,6 @@ def shots_of(
     source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None, ignore: Names = ()
 ) -> Shots:
     """Return the shots of an open table; arguments and errors are those of `read_shots`."""
-    column_keys = {column_of(name, (*SHOT_COLUMNS, "ballistic_limit_m_s")).key for name in source.header}
-    if "impact.velocity_m_s" in source.header or ("ballistic_limit_m_s" in column_keys and not {*KEYS} <= column_keys):
-        message = (
-            "must be a table of shots (velocity_m_s and result), found tests; armour calibrate fits inputs to them"
-        )
-        raise mistake(source.file, "", message)
     least = 0 if one_kind else 1
     table = csv_files.read_rows(source, SHOTS, where, least, (*ignore,))
     rows = table.rows
@@ -508,21 +487,6 @@ def lots_of(
     name, values = source.title(index), {place: cells[index] for place, cells in lines if place in places}
     refuse(csv_files.not_filled(source.file, name, [place for place, value in values.items() if not value]))
     return [(name, value) for value in dict.fromkeys(values.values())]
-
-
-def firings_of(path: Table, ignore: Sequence[str] = ()) -> list[tuple[str, str]]:
-    """Return the targets in a table of shots, each as the column and its value; none if it is not divided by them.
-
-    They are all values of the first column of which at least two are not serial numbers.
-    """
-    source = csv_files.open_table(path, is_of_shots)
-    table = csv_files.read_rows(source, SHOTS, ignore=ignore, closed=False)
-    source.refuse()
-    results = [perforates(row.texts.get("result", "")) for row in table.rows]
-    for name, values in table.groups.items():
-        if len(csv_files.targets_of(source, table, name, results)) > 1:
-            return [(name, value) for value in dict.fromkeys(values)]
-    return []
 
 
 @checked
@@ -585,9 +549,7 @@ def v50(
     """
     if span_m_s is None and pairs is not None and pairs not in SPANS_M_S:
         raise mistake("v50", "span_m_s", f"must be given for {pairs} pairs; a span is usual with 2, 3 and 5 only")
-    check_shots(shots, kinds=1 if prior else 2)
-    if requirement_m_s is not None:
-        refuse_remarks(shots)
+    check_shots(shots, kinds=1 if prior else 2, decides=requirement_m_s is not None)
     if prior and scenario is None:
         raise mistake("v50", "prior", "must be given with a scenario")
     if requirement_m_s is None and requirement_fraction != 0.5:
@@ -614,7 +576,8 @@ def v50(
     contradictions: tuple[str, ...] = ()
     if prior and scenario and model:
         if model.model_error is None:
-            raise no_prior(scenario)
+            message = f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}"
+            raise mistake(scenario.file, "uncertainty.model", message)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
         posterior = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
         prior_estimate, posterior_estimate, share, contradictions = learned(
@@ -635,11 +598,10 @@ def v50(
         penalised_fits=tuple(fit for _, fit in penalised_fits),
         recommended=recommended,
         confidence=confidence,
-        model_ballistic_limit_m_s=None if model is None else model.ballistic_limit_m_s,
-        model_interval_m_s=None if model is None else model.interval_m_s,
+        model_ballistic_limit_m_s=model.ballistic_limit_m_s if model else None,
+        model_interval_m_s=model.interval_m_s if model else None,
         notes=(
-            *map(Note, shots.read.warnings if shots.read else ()),
-            *map(Note, _far_from_others(shots)),
+            *map(Note, doubts(shots, model)),
             *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
             *(() if model is None else (*map(Note, (*_far_away(shots, model), *contradictions)), *model.notes)),
         ),
@@ -661,7 +623,7 @@ def v50(
         consumers_risk=accepting,
         producers_risk=rejecting,
         fired=shots,
-        expected_limit_m_s=None if model is None else model.expected_limit_m_s,
+        expected_limit_m_s=model.expected_limit_m_s if model else None,
     ).of(subject, scenario=scenario, shots=shots)
 
 
@@ -721,9 +683,17 @@ def decided(
     return decision, accepting, 1.0 - accepting
 
 
-def _far_from_others(shots: Shots) -> Iterator[str]:
-    """Yield a warning for each velocity that is probably in another unit or lacks a decimal point."""
+def doubts(shots: Shots, model: LimitResult | None) -> Iterator[str]:
+    """Yield remarks on shots that are not read, and a warning of velocities in ft/s or without a decimal point.
+
+    `model` has the limit by the model, if there is one.
+    """
+    yield from shots.read.warnings if shots.read else ()
+    if not shots.complete:
+        return
     middle = median(shots.velocities_m_s)
+    if model is not None and (note := feet_note(middle, model.ballistic_limit_m_s)):
+        yield note
     for velocity in shots.velocities_m_s:
         if not middle / FAR_FACTOR < velocity < middle * FAR_FACTOR:
             yield (
@@ -739,20 +709,21 @@ def of_another(shots: Shots, scenario: Scenario) -> Iterator[str]:
 
 
 def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
-    """Yield a warning if the shots seem to be in ft/s, or all lie on one side of the interval of the model's limit."""
+    """Yield a warning if all shots, in m/s, lie on one side of the interval of the model's limit."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
-    if note := feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
-        yield note
-    elif slowest > high or fastest < low:
+    if (slowest > high or fastest < low) and not feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
         yield (
             f"all shots, at {slowest:g} to {fastest:g} m/s, lie outside the model's 95 % interval of the limit, "
             f"{low:.0f} to {high:.0f} m/s; check that they were fired at this armour with this projectile"
         )
 
 
-def check_shots(shots: Shots, *, kinds: int = 2) -> None:
-    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present."""
+def check_shots(shots: Shots, *, kinds: int, decides: bool = False) -> None:
+    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present.
+
+    Where they decide on a requirement, no column that is not read may have remarks on them.
+    """
     velocities = shots.velocities_m_s
     count, message = len(shots.complete), ""
     wrong: list[object] = [value for value in velocities if not isinstance(value, int | float)]
@@ -771,16 +742,9 @@ def check_shots(shots: Shots, *, kinds: int = 2) -> None:
         message += "; armour plan shots gives the next velocity, or decides a requirement" * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
-
-
-def swapped_note(shots: Shots) -> Iterator[str]:
-    """Yield a warning if complete penetrations were no faster on average than partial ones; none for few shots."""
-    partial, complete = shots.of(complete=False), shots.of(complete=True)
-    if comb(len(shots.complete), len(complete)) >= SWAPPED and not curves.has_curve(partial, complete):
-        yield (
-            f"the complete penetrations were no faster on average ({np.mean(complete):.1f} m/s) than the partial ones "
-            f"({np.mean(partial):.1f} m/s); are the results swapped?"
-        )
+    remarks = shots.read.warnings if shots.read and decides else ()
+    remedy = "for a requirement, leave shots out by a column counts, or --ignore this one"
+    refuse(Problem(shots.file, "", f"{remark}; {remedy}") for remark in remarks)
 
 
 def check_not_swapped(shots: Shots) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from armour import csv_files
 from armour.columns import Column, column_of
 from armour.errors import Problem, choices, counted, listed, mistake, refuse, restated
-from armour.files import csv_value, shell_word
+from armour.files import csv_value, shell_line
 from armour.foreign import Rows
 from armour.scenario.checked import is_name, is_number, several
 from armour.scenario.inputs import INPUTS, NAMES, NAMING
@@ -25,16 +25,14 @@ from armour.scenario.keys import key_name, parts_of
 from armour.scenario.schema import ThicknessSteps
 from armour.scenario.sections import validated
 
-# Cases are kept in memory, at 8 bytes per number.
-MAX_CASES = 10_000_000
+# Greatest number of cases, which are read as a whole.
+MAX_CASES = 1_000_000
 # Rows of a grid are numbered by integers of 64 bits.
 MAX_COMBINATIONS = 10**18
 # Greatest length of the name of a projectile or material.
 MAX_NAME = 200
 # Number of characters of an invalid value that a message shows.
 MAX_VALUE_SHOWN = 60
-# Number of rows to read or check at a time.
-BLOCK = 10_000
 # Keys whose columns may have other names and units.
 CASE_KEYS = (*INPUTS, *NAMES.values())
 
@@ -121,26 +119,20 @@ class SweepCases:
                 raise mistake(self.file, where, f"must name a key in each column, found none in {index + 1}")
             if names.index(key) < index:
                 raise mistake(self.file, where, "must be the name of one column, found several")
-        self.count = 0
-        blocks: list[tuple[Any, ...]] = []
-        marks: dict[str, str] = {}
-        while block := list(islice(source.lines, BLOCK)):
-            self.count += len(block)
-            if self.count > MAX_CASES:
-                raise mistake(self.file, "", f"must have at most {MAX_CASES:,} rows, found more")
-            refuse(
-                Problem(self.file, place, csv_files.wrong_width(cells, names))
-                for place, cells in block
-                if len(cells) != len(names)
-            )
-            source.check_marks(place for place, _ in block)
-            lines = np.array([int(place.rpartition(" ")[2]) for place, _ in block])
-            blocks.append((lines, *_read(block, columns, marks, source)))
-        if not self.count:
+        lines = [*islice(source.lines, MAX_CASES + 1)]
+        self.count, self._places = len(lines), [place for place, _ in lines]
+        if not lines:
             raise mistake(self.file, "", "must have a header of keys and at least one row")
-        self._lines, *values = map(np.concatenate, zip(*blocks, strict=True))
-        self._place = "line" if source.place.startswith("line") else "row"
-        self._columns = dict(zip(names, values, strict=True))
+        if self.count > MAX_CASES:
+            raise mistake(self.file, "", f"must have at most {MAX_CASES:,} rows, found more")
+        wrong = [(place, cells) for place, cells in lines if len(cells) != len(names)]
+        refuse(Problem(self.file, place, csv_files.wrong_width(cells, names)) for place, cells in wrong)
+        source.check_marks(self._places)
+        cells = zip(*(cells for _, cells in lines), strict=True)
+        self._columns = {
+            column.key: _read(column, self._places, texts, source) for column, texts in zip(columns, cells, strict=True)
+        }
+        source.refuse()
         content = sha256()
         for key, column in ((key, self._columns[key]) for key in self.keys):
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
@@ -159,35 +151,23 @@ class SweepCases:
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
         """Return a problem of the row `start + row`, named by the line of this row in the table."""
-        return Problem(self.file, f"{self._place} {self._lines[start + row]}", f"{problem.key}: {problem.message}")
+        return Problem(self.file, self._places[start + row], f"{problem.key}: {problem.message}")
 
 
-def _read(
-    block: Sequence[csv_files.Line], columns: Sequence[Column], marks: dict[str, str], source: csv_files.Source
-) -> list[NDArray[Any]]:
-    """Return each column of a block of n lines as numbers or names, (n,).
-
-    `marks` has the decimal marks of the columns, by key, which the first block tells.
-    """
-    arrays, places = [], [place for place, _ in block]
-    for column, cells in zip(columns, zip(*(cells for _, cells in block), strict=True), strict=True):
-        key, values = column.key, list[Any]()
-        if key in NAMING or not column.known:
-            values = [_name(cell, least=1 if column.known else 0) for cell in cells]
-            for place, cell, value in zip(places, cells, values, strict=True):
-                if value is None:
-                    source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
-        elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
-            text = next(filter(None, cells))
-            message = (
-                f'must be a key of numbers, found "{text[:40]}"; --keep {shell_word(key)} keeps it as a label, unused'
-            )
-            source.wrong(f"{source.place}: {key}", message)
-        else:
-            values, marks[key] = source.numbers(key, column, places, cells, marks.get(key, ""), needed=True)
-        arrays.append(np.array(values))
-    source.refuse()
-    return arrays
+def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: csv_files.Source) -> NDArray[Any]:
+    """Return the cells of a column as numbers or names, (n,); mistakes are recorded in the source."""
+    key, values = column.key, list[Any]()
+    if key in NAMING or not column.known:
+        values = [_name(cell, least=1 if column.known else 0) for cell in cells]
+        for place, cell, value in zip(places, cells, values, strict=True):
+            if value is None:
+                source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
+    elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
+        found = f'must be a key of numbers, found "{next(filter(None, cells))[:40]}"'
+        source.wrong(f"{source.place}: {key}", f"{found}; --keep {shell_line([key])} keeps it as a label, unused")
+    else:
+        values, _ = source.numbers(key, column, places, cells, needed=True)
+    return np.array(values)
 
 
 def _is_key(name: str) -> bool:
@@ -220,16 +200,15 @@ def axis_of(text: str) -> Axis:
 
 
 def source_of(
-    over: Mapping[str, object] | str | PathLike[str] | None,
+    over: Mapping[str, object] | None,
     cases: str | PathLike[str] | Rows | None = None,
     keep: Sequence[str] = (),
 ) -> Grid | SweepCases:
-    """Return the rows of a sweep: a grid if `over` is a mapping, cases if it is a path or `cases` is given."""
-    table = over if isinstance(over, str | PathLike) else cases
+    """Return the rows of a sweep: a grid, or cases if they are given."""
     if (over is None) == (cases is None):
         raise mistake("sweep", "over", "must be given, or cases, but not both")
-    if table is not None:
-        return SweepCases(table, keep=keep)
+    if cases is not None:
+        return SweepCases(cases, keep=keep)
     if keep:
         raise mistake("sweep", "keep", "must be given with cases")
     if not isinstance(over, Mapping) or not over:

@@ -4,13 +4,13 @@ import asyncio
 import logging
 import pickle
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Executor, Future
-from contextlib import ExitStack, contextmanager
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from armour.errors import ArmourError, InputError, mistake
-from armour.sweeps.store import RESUME
-from armour.sweeps.sweep import Workers, program
+from armour.sweeps.store import RESUME, Chunk
+from armour.sweeps.sweep import Rows, Workers, program
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -31,24 +31,18 @@ def connected(scheduler: str) -> Iterator["Client"]:
     # Failures are reported once, by an error.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    if scheduler == "local":
-        with ExitStack() as started:
-            try:
-                cluster = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
-                client = started.enter_context(Client(cluster))
-            except Exception as error:  # of any kind, depending on what is wrong with Dask's settings
-                raise _error(f"cannot start a cluster on this machine: {error}") from None
-            yield client
-        return
-    try:
-        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
-        client = Client(scheduler, timeout=TIMEOUT_S)
-    except Exception as error:  # of any kind, depending on the kind of address
-        obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
-        raise _error(
-            f'must be "local" or the address of a Dask scheduler that answers, found "{scheduler}": {obstacle}'
-        ) from None
-    with client:
+    with ExitStack() as started:
+        try:
+            place: Any = scheduler
+            if scheduler == "local":
+                place = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
+            else:
+                asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
+            client = started.enter_context(Client(place, timeout=TIMEOUT_S))
+        except Exception as error:  # of any kind, depending on the kind of address and on Dask's settings
+            obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
+            must = 'must be "local" or the address of a Dask scheduler that answers'
+            raise _error(f'{must}, found "{scheduler}": {obstacle}') from None
         try:
             client.wait_for_workers(1, timeout=TIMEOUT_S)
         except TimeoutError:
@@ -69,57 +63,42 @@ async def _check_scheduler(address: str) -> None:
 @contextmanager
 def workers_of(client: "Client") -> Iterator[Workers]:
     """Yield the workers of a cluster; the chunks of a worker that dies are tried again."""
-    seconds_without = 0  # without any worker: the check is made once a second
+    from distributed import wait
 
-    def check() -> None:
-        nonlocal seconds_without
-        seconds_without = 0 if client.nthreads() else seconds_without + 1
-        if seconds_without > TIMEOUT_S:
-            raise _error(f"lost all workers; start others, then {RESUME}")
+    def submit(function: Callable[[Rows], Chunk], rows: Rows) -> Any:
+        # Pickled, so that a worker with another version can refuse the call before it is unpickled.
+        return client.submit(_call, program(), pickle.dumps((function, rows)), pure=False)
+
+    def result(future: Any) -> Chunk:
+        seconds_without = 0  # without any worker
+        while not future.done():
+            with suppress(TimeoutError):
+                wait(future, timeout=1.0)
+            seconds_without = 0 if client.nthreads() else seconds_without + 1
+            if seconds_without > TIMEOUT_S:
+                raise _error(f"lost all workers; start others, then {RESUME}")
+        chunk: Chunk = future.result()
+        return chunk
 
     try:
+        client.run(program)  # a worker without armour would die of a call
         threads = max(sum(client.nthreads().values()), 1)
-        yield Workers(_SameProgram(client), threads, CHUNKS_AHEAD * threads, check)
+        yield Workers(submit, result, threads, CHUNKS_AHEAD * threads)
     except ArmourError:
         raise
-    except ImportError as error:
-        raise _error(f"must have workers with armour, found one that cannot import it: {error}") from None
     except (asyncio.CancelledError, CancelledError):
         raise _error(f"lost the connection to the scheduler; finished rows are kept, {RESUME}") from None
     except Exception as error:  # of any kind, depending on what fails
         raise _error(f"failed: {str(error) or type(error).__name__}; finished rows are kept, {RESUME}") from None
 
 
-class _SameProgram(Executor):
-    """Executor on the workers of a cluster, which must run the same program as this process."""
-
-    def __init__(self, client: "Client") -> None:
-        self._executor = client.get_executor(pure=False)
-
-    def submit(self, function: Callable[..., Any], /, *args: Any) -> Future[Any]:  # type: ignore[override]
-        """Submit a call, pickled here, so that a worker with another version can refuse it before it is unpickled.
-
-        A worker without armour would die of a function of it; as `pickle.loads` calls this one, the call fails instead.
-        """
-        return self._executor.submit(pickle.loads, pickle.dumps(_Call(program(), pickle.dumps((function, args)))))
-
-
-class _Call:
-    """A call of `_call`, made where it is unpickled."""
-
-    def __init__(self, *args: Any) -> None:
-        self.args = args
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        return _call, self.args
-
-
-def _call(expected: str, call: bytes) -> Any:
-    """On a worker, make a call: a pickled function with its arguments; `expected` is the hash of the program."""
+def _call(expected: str, call: bytes) -> Chunk:
+    """On a worker, make a call: a pickled function with its rows; `expected` is the hash of the program."""
     if program() != expected:
         raise _error("must have workers with this version of armour and numpy, found a worker with others")
-    function, args = pickle.loads(call)
-    return function(*args)
+    function, rows = pickle.loads(call)
+    chunk: Chunk = function(rows)
+    return chunk
 
 
 def _error(message: str) -> InputError:

@@ -3,8 +3,7 @@
 A folder beside the output, named after it with the suffix ``.parts`` and open only to the user, contains a SQLite
 database of the rows so far, in chunks, each with the job, which identifies the sweep.  SQLite keeps the database intact
 if the process is killed, by a write-ahead log, and open to one process at a time; checksums detect damage on the disk.
-On a file system without locks, as on some networks, the database is in a second folder, among the temporary files.
-Both folders are removed when the table is written.
+The folder is removed when the table is written.
 
 Such a folder may come with the files of somebody else.  It is therefore checked like any input: it may contain only
 plain files, the database only one plain table, and this only rows that the sweep can have.  A row of each chunk, drawn
@@ -18,12 +17,10 @@ import sqlite3
 import stat
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 from secrets import randbelow
-from tempfile import gettempdir
-from time import time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,12 +32,13 @@ from armour.files import exchangeable, make_private, printable, reason, unwritab
 from armour.sweeps.tables import is_csv, write_table
 
 RESUME = "repeat the same sweep to resume"
-# The database with its log, and new files, to try locks and for the table.  A journal is none of them: SQLite would
-# remove a file that it names.
+# The database with its log, and a new file for the table.  A journal is none of them: SQLite would remove a file that
+# it names.
 FILE_NAME = re.compile(r"rows(-wal)?|\.armour-[0-9a-f]{16}")
 # The table of the database.
 TABLE = "chunk (start integer primary key, checksum, content)"
 START_AGAIN = "remove the folder to start again"
+BUSY = "another sweep is at work on this output, or its disk has no locks; wait for it, or choose another output"
 
 
 class Chunk(NamedTuple):
@@ -64,11 +62,10 @@ ABOUT = TypeAdapter(tuple[dict[str, str], dict[str, PositiveInt]])
 class Store:
     """Rows of an unfinished table: the first ``done`` rows, and the number of rows that each warning concerns.
 
-    ``drawn`` has the values of a row of each chunk found, by its index, and ``age_s`` the time since the last chunk was
-    written, s.  The store is open to one process at a time.  ``job`` identifies the sweep, and ``types`` are those of
-    the columns.  ``tell`` is called with a line if rows are damaged, or kept elsewhere than beside the output.  With
-    ``replace``, the table replaces an older file.  ``fits`` is called with the index of the first row of a chunk and
-    the chunk, and returns whether the sweep can have it.
+    ``drawn`` has the values of a row of each chunk found, by its index.  The store is open to one process at a time.
+    ``job`` identifies the sweep, and ``types`` are those of the columns.  With ``replace``, the table replaces an older
+    file.  ``fits`` is called with the index of the first row of a chunk and the chunk, and returns whether the sweep
+    can have it.
     """
 
     def __init__(
@@ -76,18 +73,17 @@ class Store:
         output: Path,
         job: Mapping[str, str],
         types: Mapping[str, "np.dtype[Any] | str"],
-        tell: Callable[[str], None],
         *,
         replace: bool = False,
         fits: Callable[[int, Chunk], bool] = lambda _start, _chunk: True,
     ) -> None:
         refuse(wrong_ending(output, (".csv", ".parquet")))
-        self.output, self.folder, self.replace = output, Path(f"{output}.parts"), replace
-        self.tell, self.fits = tell, fits
+        self.output, self.folder, self.replace, self.fits = output, Path(f"{output}.parts"), replace, fits
         self.job = {**job, "format": "CSV" if is_csv(output) else "Parquet"}
         self.type = np.dtype([*types.items()])
-        self.path, self._new = self.folder / "rows", self.folder / f".armour-{os.urandom(8).hex()}"
-        self.done, self._written = 0, False
+        self._new = self.folder / f".armour-{os.urandom(8).hex()}"
+        self.done, self.warnings, self.drawn = 0, Counter[str](), dict[int, tuple[Any, ...]]()
+        self._written = False
 
     def __enter__(self) -> "Store":
         refuse(unwritable(self.output))
@@ -97,29 +93,20 @@ class Store:
         self._check_output()
         with self._disk():
             make_folder(self.folder)
-            if not has_locks(self._new):
-                place = Path(gettempdir(), f"armour-{sha256(bytes(self.output.absolute())).hexdigest()[:16]}.parts")
-                make_folder(place)
-                self.path = place / "rows"
-                self.tell(f"{self.folder}: cannot be locked; rows are kept in {place}: only this machine can resume")
+            self._database = sqlite3.connect(self.folder / "rows", timeout=0.0, isolation_level=None)
             try:
-                self._open()
-            except sqlite3.OperationalError:
+                self._read()
+            except BaseException:
+                self._database.close()
                 raise
-            except sqlite3.DatabaseError:
-                self.tell(f"{self.path}: damaged, all rows are computed again")
-                for path in self.path.parent.glob("rows*"):
-                    path.unlink()
-                self._open()
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Close the database; remove the folders if the table is written or there are no rows."""
+        """Close the database; remove the folder if the table is written or there are no rows."""
         self._database.close()
         self._new.unlink(missing_ok=True)
         if self._written or not self.done:
-            for folder in (self.path.parent, self.folder):
-                shutil.rmtree(folder, ignore_errors=True)
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def check_drawn(self, chunks: Iterable[Chunk]) -> None:
         """Compare the rows drawn with the same rows, computed again; if any value or warning differs, refuse them all.
@@ -169,37 +156,23 @@ class Store:
             yield {**labels(np.arange(done, done + chunk.rows)), **chunk.columns}
             done += chunk.rows
 
-    def _open(self) -> None:
-        """Open and lock the database and count its rows; remove the first damaged chunk and all after it."""
-        self.done, self.warnings, self.drawn = 0, Counter[str](), dict[int, tuple[Any, ...]]()
-        self.age_s = time() - max((path.stat().st_mtime for path in self.path.parent.glob("rows*")), default=time())
-        self._database = sqlite3.connect(self.path, timeout=0.0, isolation_level=None)
+    def _read(self) -> None:
+        """Lock the database, check it, and count its rows."""
         self._database.text_factory = bytes  # of damaged text too
-        try:
-            # The change to a log is made without a journal in a file.
-            for pragma in ("locking_mode = exclusive", "journal_mode = memory", "journal_mode = wal"):
-                self._database.execute(f"pragma {pragma}")
-            self._database.execute("begin exclusive")
-            self._database.execute(f"create table if not exists {TABLE}")
-            tables = self._database.execute("select sql from sqlite_master limit 2").fetchall()
-            if tables != [(f"CREATE TABLE {TABLE}".encode(),)]:
-                raise self._strange("tables that no sweep makes")
-            self._database.execute("commit")
-            with suppress(sqlite3.DataError):
-                for chunk in self._chunks():
-                    row = randbelow(chunk.rows)
-                    self.drawn[self.done + row] = tuple(values[row] for values in chunk.columns.values())
-                    self.done += chunk.rows
-                    self.warnings.update(chunk.warnings)
-            removed = self._database.execute("delete from chunk where start >= ?", [self.done]).rowcount
-            [left] = self._database.execute("select count(*) from chunk").fetchone()
-            if left != len(self.drawn) or (removed and not left):
-                raise sqlite3.DatabaseError("damaged table")
-            if removed:
-                self.tell(f"{self.path}: damaged, all but the first {self.done:,} rows are computed again")
-        except BaseException:
-            self._database.close()
-            raise
+        # The change to a log is made without a journal in a file.
+        for pragma in ("locking_mode = exclusive", "journal_mode = memory", "journal_mode = wal"):
+            self._database.execute(f"pragma {pragma}")
+        self._database.execute("begin exclusive")
+        self._database.execute(f"create table if not exists {TABLE}")
+        tables = self._database.execute("select sql from sqlite_master limit 2").fetchall()
+        if tables != [(f"CREATE TABLE {TABLE}".encode(),)]:
+            raise self._strange("tables that no sweep makes")
+        self._database.execute("commit")
+        for chunk in self._chunks():
+            row = randbelow(chunk.rows)
+            self.drawn[self.done + row] = tuple(values[row] for values in chunk.columns.values())
+            self.done += chunk.rows
+            self.warnings.update(chunk.warnings)
 
     def _chunks(self) -> Iterator[Chunk]:
         """Yield all chunks; raise an error at the first one that is damaged."""
@@ -223,7 +196,7 @@ class Store:
             if differing := [name for name, value in self.job.items() if job.get(name) != value]:
                 other = f"another sweep, which differs in {' and '.join(differing)}"
                 way_out = f"finish that with its own command and program, or {START_AGAIN}"
-                raise mistake(self.path.parent, "", f"contains rows of {other}; {way_out}")
+                raise mistake(self.folder, "", f"contains rows of {other}; {way_out}")
             rows = np.frombuffer(values, self.type)
         except ValueError:
             return None
@@ -232,7 +205,7 @@ class Store:
         return Chunk({name: rows[name].copy() for name in self.type.names or ()}, warnings)
 
     def _strange(self, found: str, way_out: str = START_AGAIN) -> InputError:
-        return mistake(self.path.parent, "", f"must have rows of this sweep, found {found}; {way_out}")
+        return mistake(self.folder, "", f"must have rows of this sweep, found {found}; {way_out}")
 
     def _check_output(self) -> None:
         if self.output.is_symlink() or (self.output.exists() and not (self.replace and self.output.is_file())):
@@ -243,16 +216,18 @@ class Store:
         """Turn errors of the file system and the database into an InputError."""
         try:
             yield
-            return
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
+                raise mistake(self.folder, "", BUSY) from None
+            raise self._unwritable(self.folder, str(error)) from None
+        except sqlite3.DatabaseError as error:
+            raise mistake(self.folder, "", f"is damaged: {error}; {START_AGAIN}") from None
         except OSError as error:
-            path, obstacle = error.filename or self.output, reason(error)
-        except sqlite3.Error as error:
-            path, obstacle = self.path, str(error)
-            if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_BUSY:
-                message = "another sweep is at work on this output; wait for it, or choose another"
-                raise mistake(self.folder, "", message) from None
+            raise self._unwritable(error.filename or self.output, reason(error)) from None
+
+    def _unwritable(self, path: str | Path, obstacle: str) -> InputError:
         way_out = f"; finished rows are kept, {RESUME}" if self.done else ""
-        raise mistake(path, "", f"cannot be written: {obstacle}{way_out}")
+        return mistake(path, "", f"cannot be written: {obstacle}{way_out}")
 
 
 def make_folder(folder: Path) -> None:
@@ -263,19 +238,6 @@ def make_folder(folder: Path) -> None:
     for path in folder.iterdir():
         if not FILE_NAME.fullmatch(path.name) or not stat.S_ISREG(path.lstat().st_mode):
             raise mistake(folder, "", f"contains other files, such as {path.name}; choose another output, or move them")
-
-
-def has_locks(path: Path) -> bool:
-    """Return whether SQLite can lock a file; it is made and removed."""
-    path.touch()
-    try:
-        with closing(sqlite3.connect(path)) as database:
-            database.executescript("pragma journal_mode = off; begin exclusive")
-        return True
-    except sqlite3.OperationalError:
-        return False
-    finally:
-        path.unlink()
 
 
 def checksum_of(start: int, content: bytes) -> bytes:

@@ -1,10 +1,8 @@
 """Compute quantities of a scenario for many rows of values; keep them in memory or write them as a table."""
 
-import json
-import shutil
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
@@ -23,7 +21,7 @@ from pydantic import Field
 import armour
 from armour.analysis.evaluate import check_keys, check_quantities, scenarios_of
 from armour.analysis.quantities import OF_WEIGHT, QUANTITIES, VERDICT, reads_of
-from armour.analysis.results import OnProgress, TableResult, ignore_progress, installed, made_by, same_columns
+from armour.analysis.results import OnProgress, TableResult, ignore_progress, made_by, same_columns
 from armour.design.check import evaluated
 from armour.design.requirements import VERDICTS
 from armour.engine.changes import changed_names
@@ -32,10 +30,12 @@ from armour.files import reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
-from armour.sweeps.cases import BLOCK, Grid, SweepCases, source_of
+from armour.sweeps.cases import Grid, SweepCases, source_of
 from armour.sweeps.store import RESUME, Chunk, Store
-from armour.sweeps.tables import csv_of, read_table
+from armour.sweeps.tables import read_table
 
+# Number of rows to check at a time.
+CHECKED_ROWS = 10_000
 # Greatest number of rows in memory; more rows need a file.
 MAX_ROWS = 10_000_000
 # Target time to compute a chunk, short so that an interruption costs little, and greatest number of rows of a chunk.
@@ -52,7 +52,6 @@ MANY_ROWS = 10**8
 WORDS_OF: dict[str, Sequence[str]] = {"outcome": ("perforated", "stopped"), VERDICT: VERDICTS}
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
-LIBRARIES = ("numpy",)
 
 # Columns of values by key.
 Rows = Mapping[str, Any]
@@ -61,21 +60,21 @@ OnChunk = Callable[[int, bool], None]
 
 
 class Effort(NamedTuple):
-    """Computing time of a sweep, and what it needs on disk."""
+    """Computing time of a sweep."""
 
-    row_s: float  # time per row of a chunk on one worker, by the slower of two samples
+    row_s: float  # time per row on one worker
     seconds: float  # of the whole sweep
-    words: str  # number of rows, time and, if the disk is too full, size
+    words: str  # number of rows and time
     is_large: bool  # whether the sweep needs approval
 
 
 class Workers(NamedTuple):
-    """Executor that computes chunks, and how many to submit."""
+    """How to compute chunks at the same time."""
 
-    executor: Executor
-    number: int  # of chunks that it computes at the same time
+    submit: Callable[[Callable[[Rows], Chunk], Rows], Any]  # starts to compute a chunk; returns a future
+    result: Callable[[Any], Chunk]  # waits for the chunk of a future
+    number: int  # of chunks that are computed at the same time
     ahead: int  # greatest number of chunks submitted and not yet returned
-    check: Callable[[], None] = lambda: None  # raises an error if there are no workers left
 
 
 @dataclass(frozen=True, repr=False)
@@ -143,7 +142,7 @@ class SweepResult(TableResult):
 @checked
 def sweep(
     scenario: Scenario,
-    over: Mapping[str, object] | str | PathLike[str] | None = None,
+    over: Mapping[str, object] | None = None,
     quantities: Names = "ballistic_limit_m_s",
     output: str | PathLike[str] | None = None,
     *,
@@ -157,10 +156,10 @@ def sweep(
     Parameters
     ----------
     scenario : Scenario
-    over : mapping of str to values, or path-like, optional
+    over : mapping of str to values, optional
         Values by dotted key; every combination is computed, and the last key changes fastest.  Values are a sequence
         or an array of numbers, or a range, ``{"min": 4.0, "max": 12.0, "step": 0.5}``; for the projectile and the
-        materials, names.  A path is read as ``cases``.
+        materials, names.
     quantities : str or sequence of str, default "ballistic_limit_m_s"
         Names of quantities; ``armour sweep --help`` lists them.
     output : path-like, optional
@@ -271,7 +270,7 @@ def write_sweep(
     value is an empty field in CSV and NaN in Parquet.  Chunks are computed by ``workers``, each on one thread, or else
     in this process on ``threads``.  ``size`` is the number of rows of a chunk.  Without it, the time of some rows is
     measured to choose it; ``approve`` is then called with the effort of a new sweep, and may raise an error to stop it.
-    ``tell`` is called with each warning, and if kept rows are used or damaged.  With ``replace``, the output replaces
+    ``tell`` is called with each warning, and if kept rows are used.  With ``replace``, the output replaces
     an older file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
@@ -280,10 +279,10 @@ def write_sweep(
     threads = threads if workers is None else 1
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
     job, fits = job_of(scenario, source, quantities), partial(is_part_of, source)
-    with Store(output, job, types_of(source, quantities), tell, replace=replace, fits=fits) as store:
+    with Store(output, job, types_of(source, quantities), replace=replace, fits=fits) as store:
         if size is None:
             try:
-                effort = effort_of(scenario, source, quantities, output, threads, workers)
+                effort = effort_of(scenario, source, quantities, threads, workers)
             except InputError:
                 check_rows(scenario, source)  # names the row
                 raise
@@ -291,8 +290,7 @@ def write_sweep(
                 approve(effort)
             size = int(min(max(CHUNK_S / effort.row_s, 1.0), MAX_CHUNK))
         if store.done:
-            age = duration(store.age_s)
-            tell(f"resuming {store.path.parent}, written {age} ago: {store.done:,} of {source.count:,} rows")
+            tell(f"resuming {store.folder}: {store.done:,} of {source.count:,} rows")
         else:
             check_rows(scenario, source)
         drawn = np.array([*store.drawn], dtype=np.int64)
@@ -300,7 +298,7 @@ def write_sweep(
         blocks = (rows for _, rows in blocks_of(source, size, store.done))
         try:
             with ThreadPoolExecutor(1) as executor:
-                workers = workers or Workers(executor, 1, ahead=2)
+                workers = workers or Workers(executor.submit, Future.result, 1, ahead=2)
                 with closing(computed(drawn_blocks, compute, workers)) as chunks:
                     store.check_drawn(chunks)
                 if store.done:
@@ -347,16 +345,15 @@ def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
     """Yield the chunk of each block of rows, in order, while workers compute the next chunks."""
-    running: deque[Future[Chunk]] = deque()
+    running = deque[Any]()
     try:
         while True:
             for rows in islice(blocks, workers.ahead - len(running)):
-                running.append(workers.executor.submit(compute, rows))
+                running.append(workers.submit(compute, rows))
             if not running:
                 return
-            while not wait([running[0]], timeout=1.0).done:
-                workers.check()
-            yield running.popleft().result()
+            yield workers.result(running[0])
+            running.popleft()
     finally:
         for future in running:
             future.cancel()
@@ -377,16 +374,12 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
 
 
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of unused threats, and of quantities that need an excluded model error or change a hull."""
+    """Return warnings of unused threats, and of quantities that need an excluded model error."""
     of_impact = [name for name in quantities if name != VERDICT]
     without_value = [
         name for name in of_impact if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
     ]
-    changing = (
-        [] if scenario.counts_backing else [n for n in quantities if QUANTITIES[n].least in ("back plate", "armour")]
-    )
     return [
-        *(f"{name}: changes the back plate, although it exists (design.existing)" for name in changing),
         *(map(str, scenario.unused_threats()) if {*reads_of(of_impact)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
     ]
@@ -394,7 +387,7 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
 
 def check_rows(scenario: Scenario, source: Grid | SweepCases) -> None:
     """Check that every row is a valid scenario."""
-    for start, rows in blocks_of(source, BLOCK):
+    for start, rows in blocks_of(source, CHECKED_ROWS):
         for _ in scenarios_of(scenario, rows, partial(source.place, start)):
             pass
 
@@ -408,42 +401,22 @@ def effort_of(
     scenario: Scenario,
     source: Grid | SweepCases,
     quantities: Sequence[str],
-    output: Path,
     threads: int | None = None,
     workers: Workers | None = None,
 ) -> Effort:
-    """Estimate the effort of a sweep from the time of rows spread over it, and of as many rows at its start.
-
-    The rows at the start, consecutive as in a chunk, may be slower.
-    """
-    row_s = slowest_row_s = row_bytes = 0.0
+    """Estimate the effort of a sweep from the time of rows spread over it."""
+    row_s = 0.0
     for sample, number in enumerate(SAMPLES):
         count = min(number, source.count)
         rows = source.rows(np.linspace(0, source.count - 1, count).astype(np.int64))
         begun = perf_counter()
-        spread = chunk_of(scenario, rows, quantities, threads)
-        halfway = perf_counter()
-        chunk_of(scenario, source.rows(np.arange(count)), quantities, threads)
-        row_s = (halfway - begun) / count
-        slowest_row_s = max(row_s, (perf_counter() - halfway) / count)
-        row_bytes = len(csv_of(spread.columns)) / count
-        if sample and (count < number or slowest_row_s * count > SAMPLE_S):
+        chunk_of(scenario, rows, quantities, threads)
+        row_s = (perf_counter() - begun) / count
+        if sample and (count < number or row_s * count > SAMPLE_S):
             break
     seconds = row_s * source.count / (workers.number if workers else 1)
-    needed_bytes, free_bytes = 2.0 * row_bytes * source.count, shutil.disk_usage(output.parent).free
     words = f"{counted(source.count, 'row')}; about {duration(seconds)}"
-    if needed_bytes > free_bytes:
-        words += f"; {size(needed_bytes)} to write and join, but {size(free_bytes)} free"
-    is_large = seconds > LONG_S or source.count > MANY_ROWS or needed_bytes > free_bytes
-    return Effort(slowest_row_s, seconds, words, is_large)
-
-
-def size(number: float) -> str:
-    """Return a number of bytes in words, such as "384.0 kB"."""
-    for limit, unit in ((1e6, "kB"), (1e9, "MB"), (1e12, "GB")):
-        if number < limit:
-            return f"{1e3 * number / limit:.1f} {unit}"
-    return f"{number / 1e12:,.1f} TB"
+    return Effort(row_s, seconds, words, is_large=seconds > LONG_S or source.count > MANY_ROWS)
 
 
 def program() -> str:
@@ -453,8 +426,8 @@ def program() -> str:
 
 @cache
 def _program() -> str:
-    """Return a hash of this program, of its data, and of the versions of the libraries that compute."""
-    content = sha256(json.dumps(installed(LIBRARIES)).encode())
+    """Return a hash of this program, of its data, and of the version of numpy, which computes."""
+    content = sha256(np.__version__.encode())
     for path in [*sorted(CODE_FOLDER.rglob("*.py")), *sorted(shipped("configs").glob("*.toml"))]:
         content.update(sha256(path.name.encode() + b"\n" + path.read_bytes()).digest())
     return content.hexdigest()

@@ -3,6 +3,7 @@
 import csv
 import json
 from collections.abc import Iterable, Mapping
+from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -20,10 +21,8 @@ def is_csv(path: Path) -> bool:
     """Return whether a path is that of a CSV table; any other is Parquet, and refused without pyarrow."""
     if path.suffix.lower() == ".csv":
         return True
-    try:
-        import pyarrow.parquet  # noqa: F401
-    except ImportError:
-        raise mistake("sweep", str(path), 'needs pyarrow; pip install "pyarrow>=17", or write .csv') from None
+    if find_spec("pyarrow") is None:
+        raise mistake("sweep", str(path), 'needs pyarrow; pip install "pyarrow>=17", or write .csv')
     return False
 
 

@@ -20,11 +20,7 @@ HEAD = """\
 
 """
 LIMIT, PROBABILITY = "ballistic_limit_m_s", "probability_of_stopping"
-# A band of more than 10 %, as of a small probability, must have a reason.
-BANDS: dict[str, dict[str, Any]] = {
-    LIMIT: {"band": 0.5},
-    PROBABILITY: {"band": 0.005, "reason": "half of the last digit shown"},
-}
+BANDS: dict[str, dict[str, Any]] = {LIMIT: {"band": 0.5}, PROBABILITY: {"band": 0.005}}
 BAND_OF_BEST = {"band_percent": 0.1}
 # Keys of an impact on which the ballistic limit depends.
 ROUND = [key for key in THREAT_KEYS if key != "velocity_m_s"]

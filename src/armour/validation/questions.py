@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import cached_property
 
 from armour.analysis.ballistic_limit import ballistic_limit
-from armour.analysis.evaluate import QuantityValues, groups_of
+from armour.analysis.evaluate import COMPUTED, QuantityValues, groups_of
 from armour.analysis.quantities import DESIGNS, OF_GRID, QUANTITIES
 from armour.analysis.variants import Floats, Variants, grid_of
 from armour.design.catalogue import catalogue_of
@@ -74,8 +74,8 @@ def answer(name: str, subject: Subject) -> float | str:
     elif name in SAVINGS:
         before, after = (float(SAVINGS[name](armours)[0]) for armours in subject.required)
         value = 100.0 * (1.0 - after / before)
-    elif compute := QUANTITIES[name].compute:
-        value = compute(subject.answers)[0].item()
+    elif name in COMPUTED:
+        value = COMPUTED[name](subject.answers)[0].item()
     else:
         value = check_of(subject.scenario, changes=False, needed=False).verdict
     if value == value:  # not NaN

@@ -18,7 +18,7 @@ from armour.scenario.effect import check_columns, check_effect
 from armour.scenario.keys import KeyPath, canonical, key_name, parts_of, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed
 from armour.scenario.sections import every_problem
-from armour.statistics.measured import Measurement, open_tests, read_open_tests
+from armour.statistics.measured import open_tests, read_open_tests
 from armour.validation.questions import QUESTIONS, check_answerable
 from armour.validation.suite_sections import (
     EXPECTED,
@@ -54,10 +54,8 @@ class Case:
         If given, the expected value is the magnitude of the relative difference from this, in per cent.
     cells : mapping of str to float or str
         Row of the CSV file from which the case is read: its inputs, measurements and notes.
-    bound : Measurement or None
-        The velocity above or below which the limit lies, if the row says no more.
     warnings : tuple of str
-        Columns of the CSV file that were not read and probably should be.
+        Rows of the CSV file that give only a bound on the limit, and columns that probably should be read.
     """
 
     suite: SuiteSection
@@ -69,7 +67,6 @@ class Case:
     replacement: Scenario | None = None
     measured: float | None = None
     cells: Cells = field(default_factory=dict)
-    bound: Measurement | None = None
     warnings: tuple[str, ...] = ()
 
     @property
@@ -100,15 +97,10 @@ class Case:
     @property
     def band(self) -> float | None:
         """Largest deviation allowed, in the unit of the expected value; None if there is no band."""
-        percent, expected = self.section.band_percent, self.bound.value if self.bound else self.expected
-        if percent is None or expected is None:
+        percent = self.section.band_percent
+        if percent is None or self.expected is None:
             return self.section.band
-        return percent / 100.0 * abs(float(expected))
-
-    def has_wide_band(self, most: float) -> bool:
-        """Return whether the band exceeds a fraction of the expected value or, of a relative one, of 100 %."""
-        size = 100.0 if self.measured is not None else self.bound.value if self.bound else self.expected
-        return isinstance(size, float) and self.band is not None and self.band > most * abs(size)
+        return percent / 100.0 * abs(float(self.expected))
 
     @property
     def reason(self) -> str:
@@ -332,27 +324,21 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Map
         for key in values_by_key(values)
         if any(key_name(key) in cells for cells in tests.cells)
     )
-    bounds = {m.test: m for m in tests.measurements if m.side and m.quantity == table.quantity}
-
-    def expected(place: int) -> float | str:
-        bound = bounds.get(place)
-        if bound is None:
-            return float(tests.cells[place][table.quantity])
-        return f"{'above' if bound.side > 0 else 'below'} {bound.value:.10g}"
-
+    bounds = sum(m.side != 0 and m.quantity == table.quantity for m in tests.measurements)
+    told = [f"{counted(bounds, 'bound')} on {table.quantity} left out"] if bounds else []
+    warnings = tuple(f"{tests.file}: {text}" for text in (*told, *(tests.read.warnings if tests.read else ())))
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
     cases = [
         replace(
             common,
             name=name,
             scenario=scenarios[place],
-            expected=expected(place),
+            expected=float(cells[table.quantity]),
             cells=cells,
-            bound=bounds.get(place),
-            warnings=tuple(f"{tests.file}: {text}" for text in tests.read.warnings) if tests.read else (),
+            warnings=warnings,
         )
         for place, (name, cells) in enumerate(zip(tests.names, tests.cells, strict=True))
-        if (table.quantity in cells or place in bounds) and meets(cells, table.where)
+        if table.quantity in cells and meets(cells, table.where)
     ]
     if not cases:
         selected = " and ".join((table.quantity, *table.where))

@@ -16,7 +16,7 @@ from armour.scenario.library import shipped_library
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.measured import LIMIT
 from armour.units import MM
-from armour.validation import formulas
+from armour.validation.formulas import along_fire_kg_m2
 
 # Largest relative difference of ballistic limits that are alike, and of cores in diameter, mass and density.
 ALIKE_PART = 0.1
@@ -46,7 +46,7 @@ def wilkins_tests() -> WilkinsTests:
     columns = {key: np.array([float(row[key]) for row in rows]) for key in (*LAYERS, LIMIT)}
     limits = columns.pop(LIMIT)
     scenarios = [wilkins.replaced({key: float(row[key]) for key in LAYERS}) for row in rows]
-    return WilkinsTests(scenarios, columns, np.array([*map(formulas.along_fire_kg_m2, scenarios)]), limits)
+    return WilkinsTests(scenarios, columns, np.array([*map(along_fire_kg_m2, scenarios)]), limits)
 
 
 @dataclass(frozen=True)

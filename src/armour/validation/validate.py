@@ -3,9 +3,8 @@
 import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isnan, sqrt
+from math import isclose, isnan, sqrt
 from os import PathLike
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -13,20 +12,16 @@ import numpy as np
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.errors import NoAnswerError
-from armour.files import named, shipped_suites
+from armour.files import named
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
 from armour.scenario.sections import TINY
-from armour.statistics.measured import OUTCOME
 from armour.validation.questions import Subject, answer
 from armour.validation.suite import Case, Suite, load_suite
 from armour.validation.suite_sections import GroupSection, TableSection, meets
 
-CheckStatus = Literal["within", "outside", "no answer", "no expected value", "no reason", "not scored"]
-FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value", "no reason")
-# Band, over the expected value, beyond which it needs a reason; and what is said without one.
-WIDE = 0.1
-WITHOUT_REASON = f"a band of more than {100.0 * WIDE:g} % must have a reason"
+CheckStatus = Literal["within", "outside", "no answer", "no expected value", "not scored"]
+FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value")
 
 
 @dataclass(frozen=True)
@@ -38,8 +33,7 @@ class Check:
     case : Case
     computed : float or str or None
         None if the question has no answer.
-    status : {"within", "outside", "no answer", "no expected value", "no reason", "not scored"}
-        "no reason" is for a wide band that has none.
+    status : {"within", "outside", "no answer", "no expected value", "not scored"}
     message : str
         Why there is no answer or no expected value, or why the case fails or is not scored.
     """
@@ -110,7 +104,7 @@ class TableSummary:
         Mean, root mean square and largest magnitude of the deviations, and mean of their magnitudes.
     rms_band : float or None
         Largest root mean square allowed.
-    status : {"within", "outside", "no reason", "not scored"}
+    status : {"within", "outside", "not scored"}
     mean_expected, mean_band : float or None
         Expected mean, and the largest deviation of the mean from it that is allowed.
     """
@@ -156,12 +150,12 @@ class SuiteResult(TableResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Columns of files of tests that were not read and probably should be."""
+        """Rows of files of tests that are left out, and columns that probably should be read."""
         return tuple(dict.fromkeys(text for check in self.checks for text in check.case.warnings))
 
     @property
     def passed(self) -> bool:
-        """Whether any case is scored, all cases and tables are within their bands, and wide bands have a reason."""
+        """Whether any case is scored, and all cases and tables are within their bands."""
         return self.is_scored and self.count(*FAILED) == 0
 
     @property
@@ -189,11 +183,6 @@ class SuiteResult(TableResult):
 
 
 OnCheck = Callable[[Check, int], None]
-
-
-def paper_suite() -> Path:
-    """Return the path of the suite of all published values of the paper, which ``load_suite("paper")`` reads."""
-    return shipped_suites()["paper"]
 
 
 @checked
@@ -268,16 +257,10 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
             status = "no answer"
         elif case.expected is None:
             return Check(case, computed, "no expected value", "no expected value yet; --update fills it in")
-        elif case.bound and isinstance(computed, float):
-            if case.band is None:
-                return Check(case, computed, status, "not scored: a bound is compared only with a band of its own")
-            status = "within" if case.bound.side * (computed - case.bound.value) >= -case.band else "outside"
         elif isinstance(computed, str) or isinstance(case.expected, str):
             status = "within" if computed == case.expected else "outside"
         elif case.band is not None:
             status = "within" if abs(computed - case.expected) <= case.band else "outside"
-        if status == "within" and case.has_wide_band(WIDE) and not case.reason:
-            return Check(case, computed, "no reason", WITHOUT_REASON)
     return Check(case, computed, status, message if computed is None else calibrated)
 
 
@@ -311,17 +294,16 @@ def _calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                measured_so = OUTCOME if case.bound else case.quantity
-                if measured_so in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
+                if case.quantity in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
 
 
 def _equal(tested: float | str, value: object) -> bool:
     """Return whether the values of a test and of a case are equal, numbers to a relative difference of 1e-6."""
-    if isinstance(tested, str) or not isinstance(value, int | float):
-        return tested == value
-    return abs(value - tested) <= 1e-6 * abs(tested)
+    if isinstance(tested, int | float) and isinstance(value, int | float):
+        return isclose(tested, value, rel_tol=1e-6)
+    return tested == value
 
 
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
@@ -330,14 +312,6 @@ def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSumm
     for group in table.group:
         if rows_of_group := [row for row in rows if meets(row.case.cells, group.where)]:
             yield _summary(table, group, rows_of_group)
-
-
-def _is_wide(rows: Sequence[Check], band: float, percent: bool) -> bool:
-    """Return whether a band of rows as a whole, in per cent or in their unit, needs a reason."""
-    if percent or rows[0].case.measured is not None:
-        return band > 100.0 * WIDE
-    sizes = [abs(row.case.expected) for row in rows if isinstance(row.case.expected, float)]
-    return band > WIDE * sum(sizes) / max(len(sizes), 1)
 
 
 def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) -> TableSummary:
@@ -353,8 +327,6 @@ def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) ->
         rms_within = rms_band is None or rms <= rms_band
         mean_within = mean_band is None or abs(mean - bands.mean_percent) <= mean_band
         status = "within" if numbers and rms_within and mean_within else "outside"
-        if status == "within" and not table.reason and _is_wide(rows, max(rms_band or 0.0, mean_band or 0.0), percent):
-            status = "no reason"
     return TableSummary(
         name=table.name,
         count=len(numbers),

@@ -1,6 +1,5 @@
 import warnings
 from collections.abc import Callable
-from functools import cache
 from itertools import combinations
 from xml.etree import ElementTree
 
@@ -11,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import Bbox
 
-from armour.design.optimise import DesignResult, optimise
 from armour.errors import InputError
 from armour.reporting.by_result import drawing_of
 from armour.reporting.pictures.drawing import (
@@ -19,15 +17,12 @@ from armour.reporting.pictures.drawing import (
     METADATA,
     PANEL,
     STYLE,
-    WIDTH,
     Picture,
-    Points,
     Sheet,
     colours_of,
     contours,
     drawn,
     legible,
-    points,
     ranges,
     rows,
     rows_height,
@@ -36,7 +31,7 @@ from armour.reporting.pictures.drawing import (
 from armour.reporting.show import plot
 from armour.sweeps.sweep import sweep
 from tests.analysis.results import impact
-from tests.helpers.cases import scenario, shipped_scenario
+from tests.helpers.cases import scenario
 from tests.statistics.results import uncertainty_result
 
 pytestmark = pytest.mark.slow
@@ -57,39 +52,16 @@ def a_map(sheet: Sheet) -> Picture:
     picture = sheet.panels("T", PANEL)
     x, y, z = [4.0, 6.0, 8.0], [5.0, 7.0], [[0.0, 30.0, 60.0], [20.0, float("nan"), 80.0]]
     colours_of(picture.axes[0], x, y, z, "speed, m/s")
-    contours(picture.axes[0], x, y, z, 6, at=0.0, label="l")
+    contours(picture.axes[0], x, y, z, 6, numbered=True, label="l")
     return picture
-
-
-@cache
-def optimum(name: str) -> DesignResult:
-    return optimise(shipped_scenario(name))
 
 
 DRAWINGS: dict[str, Callable[[], Callable[[Sheet], Picture]]] = {
     "impact": lambda: drawing_of(impact().of(scenario=scenario())),
-    "design": lambda: drawing_of(optimum("catalogue")),
     "uncertainty": lambda: drawing_of(uncertainty_result().of(scenario=scenario(velocity=700.0))),
     "map": lambda: a_map,
     "rows": lambda: named_rows,
 }
-
-
-def lines(sheet: Sheet, *series: tuple[list[float], str]) -> Picture:
-    """A picture of one panel with curves: their heights and names."""
-    picture = sheet.panels("T", PANEL)
-    for y, label in series:
-        picture.axes[0].plot([0.0, 1.0, 2.0], y, label=label)
-    return picture
-
-
-def end_names(picture: Picture) -> list[str]:
-    return [text.get_text() for text in picture.axes[0].texts]
-
-
-def legend_of(picture: Picture) -> list[str]:
-    legend = picture.axes[0].get_legend()
-    return [text.get_text() for text in legend.get_texts()] if legend else []
 
 
 @pytest.mark.parametrize("suffix", METADATA)
@@ -125,10 +97,9 @@ def test_a_file_does_not_depend_on_the_last_digits_of_a_layout():
     assert isinstance(inexact.get_layout_engine(), InexactLayout)
 
 
-@pytest.mark.parametrize("width", [WIDTH, 4.2])
 @pytest.mark.parametrize("name", DRAWINGS)
-def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float):
-    figure = drawn(DRAWINGS[name](), Sheet(width), "what it is about").figure
+def test_no_text_is_cut_and_no_panel_overlaps_another(name: str):
+    figure = drawn(DRAWINGS[name](), Sheet(4.2), "what it is about").figure
     figure.draw_without_rendering()
     whole, (across, up) = figure.get_tightbbox(), figure.get_size_inches()
     assert min(whole.x0, whole.y0) > -0.02
@@ -140,24 +111,6 @@ def test_no_text_is_cut_and_no_panel_overlaps_another(name: str, width: float):
         assert shared is None or min(shared.width, shared.height) < 2.0
 
 
-def test_curves_are_named_at_their_ends_where_these_are_apart():
-    apart = drawn(lambda s: lines(s, ([0, 1, 2], "up"), ([2, 1, 0], "down")), Sheet())
-    assert end_names(apart) == ["up", "down"]
-    assert not legend_of(apart)
-    near = drawn(lambda s: lines(s, ([0, 1, 2], "up"), ([2, 1, 1.99], "other")), Sheet())
-    assert not end_names(near)
-    assert legend_of(near) == ["up", "other"]
-
-
-def test_a_curve_that_leaves_its_panel_has_a_legend():
-    def leaves(sheet: Sheet) -> Picture:
-        picture = lines(sheet, ([0, 1, 9], "up"), ([1, 1, 1], "even"))
-        picture.axes[0].set_ylim(0.0, 2.0)
-        return picture
-
-    assert legend_of(drawn(leaves, Sheet())) == ["up", "even"]
-
-
 def test_the_ends_of_a_range_may_be_in_either_order():
     picture = Sheet().panels("T", PANEL)
     ranges(picture.axes[0], [1.0, 3.0], [(2.0, 4.0), (5.5, 4.0)], BLUE)
@@ -165,23 +118,12 @@ def test_the_ends_of_a_range_may_be_in_either_order():
     assert [[x for x, _ in ends] for ends in bars.get_segments()] == [[2.0, 4.0], [4.0, 5.5]]
 
 
-def test_points_beyond_fixed_limits_are_left_out():
-    axes = Sheet().panels("T", PANEL).axes[0]
-    axes.set_xlim(0.0, 6.0)
-    points(axes, [1.0, 9.0], [1.0, 2.0], label="p")
-    points(axes, [9.0], [2.0], label="none")
-    [line] = axes.lines
-    assert isinstance(line, Points)
-    assert line.get_xdata()[0] == 1.0  # type: ignore[index]
-    assert line.get_xdata()[1] != line.get_xdata()[1]  # type: ignore[index]
-
-
 def test_names_are_rows_with_the_first_on_top():
     [axes] = drawn(named_rows, Sheet()).axes
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert labels == ["first", "second with a name\nthat takes two lines"]
     assert axes.get_ylim()[0] > axes.get_ylim()[1]
-    marks = {line.get_label(): line.get_ydata() for line in axes.lines if isinstance(line, Points)}
+    marks = {line.get_label(): line.get_ydata() for line in axes.lines if line.get_linestyle() == "None"}
     assert {label: list(y) for label, y in marks.items()} == {"one": [0.0, 1.0], "two": [0.0]}  # type: ignore[arg-type]
 
 
@@ -217,38 +159,11 @@ def test_no_line_ends_between_a_number_and_its_unit():
         assert figure.get_suptitle().splitlines()[-1].endswith("6.35 mm")
 
 
-def test_contours_of_two_quantities_are_named_apart():
-    x = y = [float(i) for i in range(2, 13)]
-
-    def draw(sheet: Sheet) -> Picture:
-        picture = sheet.panels("T", PANEL)
-        axes = picture.axes[0]
-        contours(axes, x, y, [[200.0 * (a * b) ** 0.4 for a in x] for b in y], 8, at=0.4, label="l")
-        contours(axes, x, y, [[3.4 * a + 2.7 * b for a in x] for b in y], 5, at=-0.4, label="m", linestyle="--")
-        return picture
-
-    picture = drawn(draw, Sheet())
-    assert legend_of(picture) == ["l", "m"]
-    picture.figure.draw_without_rendering()
-    boxes = [text.get_window_extent() for text in picture.axes[0].texts]
-    assert len(boxes) > 8
-    assert not [pair for pair in combinations(boxes, 2) if Bbox.intersection(*pair) is not None]
-
-
-@pytest.mark.parametrize("name", ["catalogue", "paper/optimum_7.62mm_AP"])
-@pytest.mark.parametrize("width", [WIDTH, 3.45])
-def test_a_label_of_a_contour_is_within_the_panel(name: str, width: float):
-    axes = drawn(drawing_of(optimum(name)), Sheet(width), title="").axes[0]
-    labels = [text.get_window_extent() for text in axes.texts if text.get_text().isdigit()]
-    assert labels
-    assert all(axes.bbox.contains(*corner) for box in labels for corner in (box.min, box.max))
-
-
 def test_a_flat_map_has_no_contours():
     axes = Sheet().panels("T", PANEL).axes[0]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        contours(axes, [4.0, 6.0], [5.0, 7.0], [[1.0, 1.0], [1.0, 1.0]], 6, at=0.0)
+        contours(axes, [4.0, 6.0], [5.0, 7.0], [[1.0, 1.0], [1.0, 1.0]], 6, numbered=True)
     assert not axes.collections
 
 

@@ -9,22 +9,22 @@ from armour.reporting.by_result import in_a_line
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Table
 from armour.reporting.views.design import chance_text, nearly_as_good, pair_table, tables_of_check, tables_of_design
-from armour.reporting.words import chance, flow_stress_notes
+from armour.reporting.words import chance, needed_flow_stress
 from tests.design.results import best_design, best_of, design, design_result
 from tests.helpers.cases import scenario
 from tests.reporting.tables import headings
 
 
-def test_a_needed_flow_stress_below_that_of_all_ceramics_is_told_as_such():
-    def needed(least: float, likely: float) -> NeededFlowStress:
-        return NeededFlowStress("SiC", least, 0.9, likely, (), ())
+def test_a_needed_flow_stress_stands_beside_its_sources():
+    def words(least: float | None, enough: float | None, *sources: float) -> str:
+        return needed_flow_stress(NeededFlowStress("SiC", least, 0.9, enough, sources, ()))
 
-    assert flow_stress_notes(needed(0.5, 0.6), "x") == [
-        "stops x with a flow stress of SiC less than any ceramic of the library has (also for 90 %, with the error "
-        "seen on AD85)"
-    ]
-    assert "less than any ceramic of the library has (9 GPa for 90 %" in flow_stress_notes(needed(0.5, 9.0))[0]
-    assert "is 8 GPa or more (9 GPa for 90 %" in flow_stress_notes(needed(8.0, 9.0))[0]
+    assert (
+        words(8.0, 9.01, 9.0, 14.0)
+        == "a flow stress of SiC of 8 GPa by the model, 9.1 GPa for 90 %; sources give 9 to 14"
+    )
+    assert words(8.0, None) == "a flow stress of SiC of 8 GPa by the model, no value for 90 %; no source"
+    assert words(None, None, 9.0) == "no flow stress of SiC up to 100 GPa is enough; sources give 9"
 
 
 def test_every_metal_that_is_compared_is_named_for_its_kind_of_strength():
@@ -64,14 +64,6 @@ def words_of(result: DesignResult | CheckResult, *, every_row: bool = False) -> 
     return "\n".join(text for text in tables if isinstance(text, str))
 
 
-def test_back_plates_without_a_row_are_told():
-    for given, told in (
-        ((2.0,), "no tile holds on 1 plate, 2 mm"),
-        ((2.0, 2.5), "no tile holds on 2 plates, 2 to 2.5 mm"),
-    ):
-        assert told in words_of(replace(design_result(), without_mm=given), every_row=True)
-
-
 def test_designs_on_other_plates_within_1_percent_of_the_best_are_named():
     near = [design("AD85", 10.0 - i, 6.0 + i, weight) for i, weight in enumerate((50.0, 50.4, 50.1, 50.2, 50.3, 60.0))]
     result = replace(design_result(), frontier=tuple(near), best=best_design(areal_density_kg_m2=50.0))
@@ -98,7 +90,7 @@ def test_a_limit_of_the_design_that_is_exceeded_decides():
 
 
 def test_a_sampled_probability_lies_within_its_interval_as_shown():
-    [threat] = check(scenario(velocity=600.0, design={"confidence": 0.9106})).threats
+    [threat] = check(scenario(velocity=600.0, design={"probability_of_stopping": 0.9106})).threats
     shown = replace(threat, probability_of_stopping=0.91053, sampled=Estimate(0.08947, 0.08932, 0.08961))
     assert chance_text(shown) == "91.0 % (sampled 91.0 to 91.1 %)"
 

@@ -8,7 +8,7 @@ from armour.planning.firing import plan_shots
 from armour.planning.procedures import OperatingPoint
 from armour.reporting.by_result import in_a_line
 from armour.reporting.table import Table
-from armour.reporting.views.planning import ONE_SIDE, tables_of_shot_plan
+from armour.reporting.views.planning import tables_of_shot_plan
 from armour.statistics.v50 import Shots
 from tests.helpers.cases import scenario
 from tests.reporting.tables import facts
@@ -38,23 +38,8 @@ def test_what_ended_the_firing_is_shown():
     assert facts(shown)["mean"] == "734 m/s (MIL-STD-662F)"
     assert isinstance(listed, Table)
     assert listed.texts()[-1] == ["A1", "742.25", "perforated"]
-    alone = plan_shots(scenario(), requirement_m_s=620.0, prior=True)
-    assert in_a_line(alone).endswith(" or more, by the limit expected alone")
-
-
-@pytest.mark.slow
-def test_no_part_is_given_where_the_shots_contradict_the_prior():
-    shots = Shots((300.0, 1500.0), (True, False))
-    found = tables_of_shot_plan(plan_shots(scenario(), shots, procedure="up-and-down").of(every_row=True))
-    assert not any("of the precision" in item for item in found if isinstance(item, str))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("required", "noted"), [(620.0, True), (710.0, False), (790.0, True)])
-def test_shots_on_one_side_of_a_requirement_say_little(required: float, noted: bool):
-    plan = plan_shots(scenario(), SHOTS, requirement_m_s=required)
-    assert facts(tables_of_shot_plan(plan))["evidence"].startswith("for it ")
-    assert (ONE_SIDE in tables_of_shot_plan(plan.of(every_row=True))) == noted
+    alone = plan_shots(scenario(), half_width_m_s=300.0)
+    assert in_a_line(alone).endswith(", by the limit expected alone")
 
 
 FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")

@@ -16,9 +16,10 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import wrapped
+from armour.reporting.table import in_words, sentence, wrapped
 from armour.reporting.views.analysis import STAGES, far_of
 from armour.reporting.words import chance, said_of
+from armour.scenario.inputs import VELOCITY
 from armour.units import MM
 
 VELOCITY_LINES = {
@@ -56,11 +57,10 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     shown = min(result.duration_us, 1.5 * float(slow[0])) if slow.size else result.duration_us
     notes = [f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs."] if shown < result.duration_us else []
     notes += _caveats(result)
-    # A result that is made by hand has no scenario, and so no armour to draw.
-    scene = _Scene(result, history) if "scenario" in result.question else None
-    scenes = [] if scene is None else [scene.high_inches(sheet.width)]
-    picture = sheet.panels(headline(result), *scenes, *(height for _, height, _ in PANELS), note=" ".join(notes))
-    over_time = picture.axes[len(scenes) :]
+    scene = _Scene(result, history)
+    heights = [scene.high_inches(sheet.width), *(height for _, height, _ in PANELS)]
+    picture = sheet.panels(headline(result), *heights, note=" ".join(notes))
+    first, *over_time = picture.axes
     seen = history.time_us <= shown
     for axes, (label, _, curves) in zip(over_time, PANELS, strict=True):
         axes.sharex(over_time[-1])
@@ -73,35 +73,28 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     over_time[1].set_ylim(bottom=0.0)
     over_time[-1].set(xlabel="time since impact, µs", xlim=(0.0, max(shown, 1e-9)))
     _name_stages(over_time[0], result, shown, PART * sheet.width)
-    if scene is not None:
-        scene.draw(picture.axes[0], PART * sheet.width)
+    scene.draw(first, PART * sheet.width)
     return picture
 
 
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
     """Return sentences on what is far from the tests, and the caveats of the model."""
     texts = (str(text) for text in (*far_of(result), *said_of(result.notes)))
-    return [f"{text[:1].upper()}{text[1:]}." for text in texts]
+    return [*map(sentence, texts)]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
-    """Name the stages above a panel: in words where there is room, else by their codes, or not at all.
+    """Name the stages above a panel by their codes, where there is room.
 
     `shown` is the last time drawn, µs, and `inches` the least width of the panel.
     """
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high)
     for stage in result.stages:
         if stage.start_us < shown:
             start, end = stage.start_us, min(stage.end_us, shown)
             room = int((end - start) / shown * inches * 72.0 / (drawing.CHARACTER * drawing.SMALL_FONT))
-            words = STAGES[stage.stage].name
-            fits = max(map(len, words.split())) <= room
-            lines = [stage.stage, *wrapped(words, room)] if fits else [stage.stage] * (len(stage.stage) <= room)
-            place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
-            axes.text(0.5 * (start + end), 1.01, "\n".join(lines), fontsize=drawing.SMALL_FONT, **place)
-            text = f"stage {stage.stage}: {STAGES[stage.stage].words}\n{stage.start_us:.4g} to {stage.end_us:.4g} µs"
-            drawing.points(axes, [0.5 * (start + end)], [high], [text], marker="None")
+            if len(stage.stage) <= room:
+                place: Any = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+                axes.text(0.5 * (start + end), 1.01, stage.stage, fontsize=drawing.SMALL_FONT, **place)
 
 
 class _Scene:
@@ -214,7 +207,7 @@ def _fragmented_us(p: Parameters, history: History) -> float:
 @draw.register
 def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     """Draw the residual velocity over the impact velocity and, above it, the probability of stopping, if known."""
-    scenario, limit = drawing.recorded(result, "scenario"), result.ballistic_limit_m_s
+    scenario, limit = result.question["scenario"], result.ballistic_limit_m_s
     threat, error, ends = scenario.impact.velocity_m_s, result.model_error, result.interval_m_s
     curve = residual_velocity_curve(scenario, result)
     impact = [point.impact_velocity_m_s for point in curve]
@@ -240,5 +233,6 @@ def draw_limit(result: LimitResult, sheet: drawing.Sheet) -> drawing.Picture:
     residual.axvline(limit, linestyle=":", label="limit by the model" if residual_alone else "", **drawing.RULE)
     label = f"{threat:g} m/s" if residual_alone else ""
     residual.axvline(threat, linestyle="--", linewidth=1.0, color=drawing.VERMILION, label=label)
-    drawing.residual_axes(residual, reach)
+    residual.set(xlabel=in_words(VELOCITY), ylabel=in_words("residual_velocity_m_s"), xlim=reach)
+    residual.set_ylim(bottom=0.0)
     return picture

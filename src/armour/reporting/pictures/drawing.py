@@ -9,15 +9,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import offset_copy
 
-from armour.analysis.results import Result
 from armour.errors import mistake
-from armour.reporting.table import Column, in_words, percent, printable_lines, wrapped
-from armour.scenario.inputs import VELOCITY
+from armour.reporting.table import in_words, printable_lines, wrapped
 
 # The palette of Okabe and Ito, which colour-blind readers can tell apart, and the colours of text and reference lines.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
@@ -53,9 +50,8 @@ SETTINGS: Any = {key: value for key, value in mpl.rcParamsDefault.items() if key
 METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Width of a picture and height of a panel, inches.
 WIDTH, PANEL = 5.2, 2.6
-# Width of a plain and of a bold character, as fractions of the font size; longest name at the end of a curve,
-# characters.
-CHARACTER, BOLD, END_CHARACTERS = 0.56, 0.64, 20
+# Width of a plain and of a bold character, as fractions of the font size.
+CHARACTER, BOLD = 0.56, 0.64
 # Styles of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name.  CAP is the
 # width of the caps of an error bar, points.
 RULE: Any = {"linewidth": 1.0, "color": INK}
@@ -69,12 +65,6 @@ class NotebookFigure(Figure):
 
     def _repr_png_(self) -> bytes:
         return saved(self, ".png", dpi=100)
-
-
-class Points(Line2D):
-    """Separate points; a page shows the words of a point on hover or, without words, its coordinates."""
-
-    words: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -129,7 +119,7 @@ def drawn(draw: Callable[[Sheet], Picture], sheet: Sheet, subject: str = "", tit
         if any(lines):
             _make_room(picture.figure, _write_title_and_note(picture.figure, list(filter(None, lines)), picture.note))
         picture.figure.draw_without_rendering()  # places the panels
-        _make_room(picture.figure, [legend for axes in picture.axes for legend in _label_curves(axes)])
+        _make_room(picture.figure, [legend for axes in picture.axes for legend in _add_legend(axes)])
     return picture
 
 
@@ -160,19 +150,9 @@ def _wrapped_lines(texts: Iterable[str], width: float, size: float, character: f
     return [line for text in texts for part in printable_lines(text).splitlines() for line in wrapped(part, room)]
 
 
-def _label_curves(axes: Axes) -> list[Any]:
-    """Label curves at their ends if there are several and there is room; put all else in a legend below the panel.
-
-    Return a list with the legend, empty if there is none.
-    """
+def _add_legend(axes: Axes) -> list[Any]:
+    """Name curves, marks and regions in a legend below a panel; return a list with it, empty without one."""
     handles: list[Any] = axes.get_legend_handles_labels()[0]
-    lines: list[Any] = [h for h in handles if isinstance(h, Line2D) and h.get_linestyle() != "None"]
-    curves = [line for line in lines if np.size(line.get_xdata()) > 2]
-    if len(curves) > 1 and _have_room(axes, curves):
-        for line in curves:
-            look: Any = {"fontsize": NAME, "va": "center", "annotation_clip": False}
-            axes.annotate(line.get_label(), line.get_xydata()[-1], (4.0, 0.0), textcoords="offset points", **look)
-        handles = [handle for handle in handles if handle not in curves]
     if not handles:
         return []
     figure: Any = axes.figure
@@ -183,24 +163,8 @@ def _label_curves(axes: Axes) -> list[Any]:
     # The legend is at a fixed distance, in inches, below the panel, so that the panel keeps its height.
     left, down = (box.x0 - axes.bbox.x0) / figure.dpi, (axes.bbox.y0 - box.y0) / figure.dpi
     place = offset_copy(axes.transAxes, figure, x=left, y=-down, units="inches")
-    look = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
+    look: Any = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": place, "borderaxespad": 0.4}
     return [axes.legend(handles, labels, ncols=max(1, min(3, columns, len(handles))), **look)]
-
-
-def _have_room(axes: Axes, curves: Sequence[Any]) -> bool:
-    """Return whether curves can be labelled at their ends.
-
-    Their names must be short, and the ends must be the rightmost points, within the panel and apart from each other.
-    """
-    points = [np.asarray(line.get_xydata(), float) for line in curves]
-    ends = axes.transData.transform([xy[-1] for xy in points])
-    gaps = np.diff(np.sort(ends[:, 1])) * 72.0 / axes.figure.dpi
-    return (
-        all(len(line.get_label()) <= END_CHARACTERS for line in curves)
-        and all(xy[-1, 0] == xy[:, 0].max() for xy in points)
-        and all(axes.bbox.padded(1.0).contains(*end) for end in ends)
-        and bool(gaps.min() > 1.3 * NAME)
-    )
 
 
 def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> bytes:
@@ -223,16 +187,6 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
     return content.getvalue()
 
 
-def recorded(result: Result, key: str) -> Any:
-    """Return what is recorded with a result under a key, "scenario" or "shots"; raise an error if it has none.
-
-    Only results made by hand have none.
-    """
-    if (value := result.question.get(key)) is None:
-        raise mistake("plot", key, "must be given to draw this result")
-    return value
-
-
 def legible(label: str) -> str:
     """Return a user's text as a label; a space precedes a leading underscore, which would hide it from the legend."""
     return printable_lines(f" {label}" if label.startswith("_") else label)
@@ -244,24 +198,12 @@ def look_of(index: int) -> dict[str, Any]:
     return {"color": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
-def points(axes: Axes, x: Any, y: Any, words: Sequence[str] = (), *, filled: bool = True, **look: Any) -> None:
-    """Draw separate points, with their words on hover.
-
-    Marks are not clipped at the edge of the panel, so points beyond fixed limits of an axis are left out.
-    """
-    x, y = np.array(x, float), np.array(y, float)
-    for values, (low, high), free in (
-        (x, sorted(axes.get_xlim()), axes.get_autoscalex_on()),
-        (y, sorted(axes.get_ylim()), axes.get_autoscaley_on()),
-    ):
-        values[[] if free else (values < low) | (values > high)] = np.nan
-    if np.isfinite(x + y).any():
-        style: Any = {"marker": "o", "linestyle": "none", "clip_on": False, "zorder": 4, "markeredgewidth": 0.6}
-        style |= {"markeredgecolor": INK} if filled else {"markerfacecolor": "none", "markeredgewidth": 1.0}
-        line = Points(x, y, **style | look)
-        line.words = words
-        axes.add_line(line)
-        axes.autoscale_view()
+def points(axes: Axes, x: Any, y: Any, *, filled: bool = True, **look: Any) -> None:
+    """Draw separate points, whose marks are not clipped at the edge of the panel."""
+    style: Any = {"marker": "o", "linestyle": "none", "clip_on": False, "zorder": 4, "markeredgewidth": 0.6}
+    style |= {"markeredgecolor": INK} if filled else {"markerfacecolor": "none", "markeredgewidth": 1.0}
+    if len(x):
+        axes.plot(x, y, **style | look)
 
 
 def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
@@ -281,21 +223,18 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
 
 
 def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
-    """Draw a vertical line at a velocity, m/s, if it is within the panel; with a name, it is in the legend."""
-    low, high = axes.get_xlim()
-    if velocity is not None and low <= velocity <= high:
+    """Draw a vertical line at a velocity, m/s, unless it is None; with a name, it is in the legend."""
+    if velocity is not None:
         label = f"{name} {velocity:.1f} m/s" if name else ""
         axes.axvline(velocity, linestyle=style, linewidth=1.0, color=colour, label=label)
 
 
 def contours(
-    axes: Axes, x: Any, y: Any, z: Any, levels: Any, at: float | None = None, label: str = "", **look: Any
+    axes: Axes, x: Any, y: Any, z: Any, levels: Any, *, numbered: bool = False, label: str = "", **look: Any
 ) -> None:
-    """Draw contours of z, (y, x).
+    """Draw contours of z, (y, x), with their levels beside them if `numbered`.
 
-    `levels` has the levels, or is about how many to draw.  With `at`, contours are labelled where they cross a rising
-    diagonal, which lies this fraction of the panel above the middle one; quantities with different fractions have
-    their labels apart.  Labels without room are left out.
+    `levels` has the levels, or is about how many to draw.
     """
     z = np.ma.masked_invalid(np.array(z, float))
     if np.ndim(levels) == 0:
@@ -305,35 +244,17 @@ def contours(
     style: Any = {"color": INK, "linewidth": 0.8, "linestyle": "-"} | look
     if inside:
         lines = axes.contour(x, y, z, levels=inside, **{f"{name}s": value for name, value in style.items()})
-        if at is not None:
-            places = [_on_diagonal(path.vertices, axes, at) for path in lines.get_paths() if len(path)]
-            axes.clabel(lines, fontsize=SMALL_FONT, fmt="%g", manual=list(filter(None, places)))
+        if numbered:
+            axes.clabel(lines, fontsize=SMALL_FONT, fmt="%g")
     if label:
         axes.plot([], [], label=label, **style)
 
 
-def _on_diagonal(vertices: Any, axes: Axes, at: float) -> Any:
-    """Return the vertex of a contour nearest to a rising diagonal; None if all are near the edges of the panel.
-
-    `vertices` is (n, 2); `at` is how far the diagonal lies above the middle one, as a fraction of the panel.
-    """
-    parts = axes.transLimits.transform(vertices)
-    distance = abs(parts[:, 1] - parts[:, 0] - at) + 10.0 * (np.minimum(parts, 1.0 - parts).min(axis=1) < 0.06)
-    return tuple(vertices[distance.argmin()]) if distance.min() < 10.0 else None
-
-
 def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
     """Draw a quantity z, (y, x), as colours with a colour bar; they are light, so that lines and names are legible."""
-    colours = mpl.colors.ListedColormap(mpl.colormaps["Blues"](np.linspace(0.02, 0.5, 256)))
     axes.grid(visible=False)
-    mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap=colours, shading="nearest", rasterized=True)
+    mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap="Blues", alpha=0.5, shading="nearest", rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=heading)
-
-
-def residual_axes(axes: Axes, limits: tuple[float, float]) -> None:
-    """Label the axes of residual velocity over impact velocity; `limits` are those of the x axis, m/s."""
-    axes.set(xlabel=in_words(VELOCITY), ylabel=in_words("residual_velocity_m_s"), xlim=limits)
-    axes.set_ylim(bottom=0.0)
 
 
 def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
@@ -345,11 +266,16 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
 def rows(
     axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
 ) -> None:
-    """Draw series of values as marks, with a row for each name; `start`, if given, is the x from which stems begin.
+    """Draw series of values as marks, with a row for each name, the first on top.
 
+    Stems begin at the x `start`, if it is given.
     `values` has the series by label, each with a value for every name, None to leave it out.
     """
-    name_rows(axes, names)
+    axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0.0)
+    axes.margins(x=0.08)
     if start is not None:
         axes.axvline(start, **RULE)
     for index, (label, series) in enumerate(values.items()):
@@ -360,60 +286,34 @@ def rows(
         points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
 
 
-def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Label the rows of a panel, the first on top."""
-    axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
-    axes.set_ylim(len(names) - 0.5, -0.5)
-    axes.grid(visible=False, axis="y")
-    axes.tick_params(axis="y", length=0.0)
-    axes.margins(x=0.08)
-
-
 class Compared(NamedTuple):
-    """An expected and a computed value of the case `name`.
+    """An expected and a computed value; `deviation` is the standard deviation of the first, 0 if none is known."""
 
-    `word` says what the expected value is, such as "measured", and `deviation` is its standard deviation, 0 if none is
-    known.
-    """
-
-    name: str
-    word: str
     expected: float
     computed: float
     deviation: float = 0.0
 
 
-def agreement(
-    axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]], part: float = 0.0
-) -> None:
-    """Draw computed over expected values of a quantity, with the line of agreement.
+def agreement(axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]]) -> None:
+    """Draw computed over expected values of a quantity, with lines of agreement and of deviations of ± 10 %.
 
-    `word` names the expected values on the axis, and `groups` has the values by label.  With `part`, lines show
-    deviations of plus and minus that fraction.
+    `word` names the expected values on the axis, and `groups` has the values by label.
     """
-    column = Column.of(quantity, ".5g")
-
-    def known(pair: Compared) -> str:
-        deviation = f" ± {column.with_unit(pair.deviation)}" if pair.deviation else ""
-        return column.with_unit(pair.expected) + deviation
-
-    pairs = [pair for group in groups.values() for pair in group]
+    heading, pairs = in_words(quantity), [pair for group in groups.values() for pair in group]
     low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
     # If the values are close together, widen the axes to show the lines on both sides.
-    margin = part * high if high - low < part * high else 0.0
+    margin = 0.1 * high if high - low < 0.1 * high else 0.0
     span = low - margin, high + margin
-    axes.set(xlabel=f"{word} {column.heading}", ylabel=f"computed {column.heading}", xlim=span, ylim=span)
+    axes.set(xlabel=f"{word} {heading}", ylabel=f"computed {heading}", xlim=span, ylim=span)
     axes.set_aspect("equal")
     for index, (label, group) in enumerate(groups.items()):
         expected, computed = [p.expected for p in group], [p.computed for p in group]
-        words = [f"{p.name}\n{p.word} {known(p)}, computed {column.with_unit(p.computed)}" for p in group]
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= 100 else 3.0}
         if any(p.deviation for p in group):
             ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]
             ranges(axes, computed, ends, look["color"])
-        points(axes, expected, computed, words, filled=False, **look)
-    lines = [(1.0, "agreement", "-"), (1.0 - part, f"± {percent(part)}", ":"), (1.0 + part, "", ":")]
-    for factor, label, style in lines if part else lines[:1]:
+        points(axes, expected, computed, filled=False, **look)
+    for factor, label, style in ((1.0, "agreement", "-"), (0.9, "± 10 %", ":"), (1.1, "", ":")):
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
 
 

@@ -1,32 +1,23 @@
 """Draw plans of shots."""
 
-from typing import Any
-
 from matplotlib.axes import Axes
 
 from armour.planning.firing import ShotPlan
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.pictures.statistics import draw_shots
-from armour.reporting.table import in_words, percent
+from armour.reporting.table import in_words
 from armour.scenario.inputs import VELOCITY
 
 
 @draw.register
 def draw_shot_plan(plan: ShotPlan, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability density of V50, and below it the shots or, if computed, the operating characteristic."""
-    simulated = bool(plan.operating_characteristic)
-    note = f"{plan.stopped}." if plan.stopped else ""
-    picture = sheet.panels(headline(plan), drawing.PANEL, drawing.PANEL, note=note, sharex=not simulated)
+    """Draw the probability density of V50, and below it the shots."""
+    picture = sheet.panels(headline(plan), drawing.PANEL, drawing.PANEL, sharex=True)
     densities, last = picture.axes
     _draw_densities(densities, plan)
-    if simulated:
-        densities.set_xlabel(in_words(VELOCITY))
-        _draw_operating(last, plan)
-        return picture
     x = plan.curve.velocity_m_s
-    last.set(xlabel=in_words(VELOCITY), xlim=(x[0], x[-1]))
-    last.set(ylabel="part of shots that perforate", ylim=(-0.05, 1.05))
+    last.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate", ylim=(-0.05, 1.05))
     label = "by the posterior" if plan.fired.complete else "by the prior"
     last.plot(x, plan.curve.probability, color=drawing.BLUE, label=label)
     draw_shots(last, plan.fired)
@@ -41,29 +32,9 @@ def _draw_densities(axes: Axes, plan: ShotPlan) -> None:
     axes.plot(x, plan.curve.prior, linestyle="--", color=drawing.PURPLE, label=label)
     if plan.fired.complete:
         axes.plot(x, plan.curve.posterior, color=drawing.BLUE, label="posterior, with the shots")
-    axes.set(ylabel="probability density of V50, s/m", xlim=(x[0], x[-1]))
+    axes.set_ylabel("probability density of V50, s/m")
     _draw_velocities(axes, plan, named=True)
     axes.set_ylim(bottom=0.0)
-
-
-def _draw_operating(axes: Axes, plan: ShotPlan) -> None:
-    """Draw the operating characteristic: the fractions of simulated firings that accept and that reject an armour.
-
-    It is over the true V50 of the armour, around the required velocity.
-    """
-    armours = plan.operating_characteristic
-    v50 = [armour.v50_m_s for armour in armours]
-    look: Any = {"marker": "o", "markerfacecolor": "none"}
-    axes.plot(v50, [armour.met for armour in armours], color=drawing.GREEN, label="met", **look)
-    not_met = [armour.not_met for armour in armours]
-    axes.plot(v50, not_met, linestyle="--", color=drawing.VERMILION, label="not met", **look)
-    if (accepted := plan.consumers_risk) is not None:
-        label = f"either risk {percent(accepted)}"
-        axes.axhline(accepted, linestyle=":", linewidth=1.0, color=drawing.SOFT, label=label)
-    if (at := plan.requirement_m_s) is not None and v50[0] <= at <= v50[-1]:
-        axes.axvline(at, linestyle="-.", linewidth=1.0, color=drawing.SOFT)
-    axes.set(xlabel="V50 of the armour, m/s", ylabel="fraction of firings", ylim=(-0.05, 1.05))
-    axes.set_title(f"operating characteristic at a scatter of {armours[0].scatter_m_s:.0f} m/s")
 
 
 def _draw_velocities(axes: Axes, plan: ShotPlan, *, named: bool) -> None:

@@ -1,4 +1,4 @@
-"""Draw suites, figures of the paper, and comparisons with simpler formulas."""
+"""Draw suites and figures of the paper."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -8,12 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.errors import mistake
-from armour.reporting.by_result import draw, headline
+from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped
-from armour.reporting.views.validation import drawn_checks, limits_by_formulas
-from armour.scenario.sections import TINY
-from armour.validation.comparison import Comparison
+from armour.reporting.views.validation import drawn_checks
 from armour.validation.figures import Figure
 from armour.validation.suite_sections import CASES
 from armour.validation.validate import SuiteResult
@@ -40,28 +38,18 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
     picture = sheet.panels(title, *[sheet.width - 0.3] * len(by_quantity), note=note)
     for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
         groups = {
-            group or CASES: [drawing.Compared(c.case.name, "expected", c.case.expected, c.computed) for c in members]
+            group or CASES: [drawing.Compared(check.case.expected, check.computed) for check in members]
             for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
         }
-        # Lines at the relative band, if all cases have the same, and else at 10 %.
-        cases = [check.case for check in checks_of_quantity if abs(check.case.expected) > TINY]
-        bands = {round((case.band or 0.0) / abs(case.expected), 4) for case in cases}
-        [part] = bands if len(bands) == 1 else [0.0]
-        drawing.agreement(axes, quantity, "expected", groups, part or 0.1)
+        drawing.agreement(axes, quantity, "expected", groups)
     return picture
 
 
 def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Picture:
     """Draw a figure of the paper: curves by the model, and marks for the numbers that the text of the paper gives."""
     picture = sheet.panels(panels[0].section.title, *[drawing.PANEL] * len(panels))
-    named: set[str] = set()
     for axes, figure in zip(picture.axes, panels, strict=True):
         _draw_panel(axes, figure)
-        # A series that several panels share is named in the first of them only.
-        handles, labels = axes.get_legend_handles_labels()
-        for handle, label in zip(handles, labels, strict=True):
-            handle.set_label("" if label in named else label)
-        named.update(labels)
     return picture
 
 
@@ -84,25 +72,3 @@ def _draw_panel(axes: Axes, figure: Figure) -> None:
     shown = [value for values in figure.curves.values() for value in values if value is not None]
     if shown and min(shown) < 0.3 * max(shown):
         axes.set_ylim(bottom=0.0)
-
-
-@draw.register
-def draw_comparison(result: Comparison, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw residual velocities by the model, with ballistic limits by simpler formulas.
-
-    Limits outside the range of the curve are named in the note.
-    """
-    impact = [point.impact_velocity_m_s for point in result.curve]
-    limits = limits_by_formulas(result)
-    drawn = [(name, velocity) for name, velocity in limits if impact[0] <= velocity <= impact[-1]]
-    beyond = [f"{name} {velocity:.0f} m/s" for name, velocity in limits if (name, velocity) not in drawn]
-    picture = sheet.panels(
-        headline(result), 1.2 * drawing.PANEL, note=f"Not drawn: {', '.join(beyond)}." if beyond else ""
-    )
-    [axes] = picture.axes
-    residual = [point.residual_velocity_m_s for point in result.curve]
-    axes.plot(impact, residual, color=drawing.COLOURS[0], label="the model")
-    for (name, velocity), style in zip(drawn, drawing.STYLES[1:], strict=False):
-        axes.axvline(velocity, linestyle=style, label=drawing.legible(f"{name}: {velocity:.0f} m/s"), **drawing.RULE)
-    drawing.residual_axes(axes, drawing.widened([impact[0], impact[-1]]))
-    return picture

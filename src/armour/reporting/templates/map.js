@@ -320,7 +320,7 @@ function better([p, a], [q, b]) {
 const quoted = word => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", `'"'"'`)}'`);
 function command(pair, k) {
   const t = deciding(pair, k), threat = threats[t], [c, b] = thicknesses(pair, k), own = DATA.own;
-  const changes = new Map([...DATA.changes, ...pair.changes].map(change => [change.split("=")[0].trim(), change]));
+  const changes = new Map(DATA.changes.map(change => [change.split("=")[0].trim(), change]));
   const set = (key, value, same) => same !== value && changes.set(key, `${key}=${typeof value === "string" ? JSON.stringify(value) : value}`);
   if (pair.ceramic) {
     set("armour.ceramic", pair.ceramic, own.ceramic);
@@ -452,11 +452,9 @@ function viewOf(pair) {
 
 // How far a design exceeds what is required, m/s, over the thickness if only one varies.
 const excess = (pair, k, t) => speeds(pair, t, wanted()[t])[k] - state.velocities[t];
-const overSource = (limit, t) => limit - state.velocities[t] - threats[t].margin;
 function lineViewOf(pair, view, scale) {
   const { frame } = view, values = view.m > 1 ? pair.backings : pair.ceramics;
-  const over = (pair.over ?? []).flat().map((limit, d) => overSource(limit, d % T));
-  const every = [0, ...over, ...pair.areal.keys().flatMap(k => threats.map((_, t) => excess(pair, k, t)))];
+  const every = [0, ...pair.areal.keys().flatMap(k => threats.map((_, t) => excess(pair, k, t)))];
   const spare = 0.05 * (max(...every) - min(...every));
   return { ...view, line: true, values, across: scale(values, frame.left + 10, frame.right - 10), up: scale([min(...every) - spare, max(...every) + spare], frame.bottom, frame.top) };
 }
@@ -465,11 +463,6 @@ function drawLines(pair, lines, words) {
   lines.append(path([[frame.left, up.at(0)], [frame.right, up.at(0)]], "ink"));
   words.append(text(frame.left + 8, up.at(0) - 6, "required", "halo strong"));
   const at = (n, most) => [across.at(values[n]), up.at(most)];
-  threats.forEach((_, t) => {
-    if (!pair.over || (T > 3 && t !== deciding(pair, answer(pair).k))) return;
-    const [least, greatest] = pair.over.map(limits => values.map((_, n) => at(n, overSource(limits[n * T + t], t))));
-    lines.append(svg("path", { class: `band ${colours[t % 4]}`, d: `M${[...least, ...greatest.reverse()].map(p => p.map(c => c.toFixed(1)).join(" ")).join("L")}Z` }));
-  });
   threats.forEach((_, t) => {
     const line = values.map((_, n) => at(n, excess(pair, n, t)));
     lines.append(path(line, `limit ${colours[t % 4]}`));
@@ -596,8 +589,7 @@ function drawMap(pair, best, ring) {
   box.setAttribute("aria-label", `Map of ${pair.name}. ${headline(pair, answer(pair).k)}`);
   box.replaceChildren(areas, lines, axes, marks, words, svg("g", { id: "over" }));
   const tints = pair.known ? `Blue: ${doesStop()}. Red: below 50 %. Grey: not known.` : anyAsked() ? "Grey: not known." : "Blue: stopped by the model.";
-  const legend = flat ? [tints, "Dotted: equal areal density.", ...(state.lines === "none" ? [] : [`Thin: equal limit, ${pair.known ? "expected" : "by the model"}, m/s.`])]
-    : pair.over ? [`Band${T > 3 ? " of the threat that decides" : "s"}: limits by the model over the flow stresses that sources give.`] : [];
+  const legend = flat ? [tints, "Dotted: equal areal density.", ...(state.lines === "none" ? [] : [`Thin: equal limit, ${pair.known ? "expected" : "by the model"}, m/s.`])] : [];
   legend.push(pair.onOffer.length > 400 ? "" : "Dots: on offer, blue where they hold.", "Hollow: far from the tests.");
   $("options").style.display = flat ? "" : "none";
   $("legend").textContent = legend.join(" ");
@@ -765,7 +757,6 @@ function drawDesign(pair, best) {
     row("stops", stops(pair, k, t));
     if (tells(pair, k, t)) box.append(distribution(pair, d, state.velocities[t]));
     row(`limit ${byModel(pair, k, t)}`, `${limitText(pair, k, t)} m/s`);
-    if (pair.over) row("over the sources", `${pair.over.map(limits => round(limits[d])).join(" to ")} m/s`);
     row(`${trimmed(100 * usual(t))} % up to`, safe(pair, k, t));
     row("far from the tests", far(pair, k, t), "i");
   });

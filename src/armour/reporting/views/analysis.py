@@ -9,28 +9,27 @@ from armour.analysis.results import EachResult
 from armour.evidence.tests import armours_of, far_from_tests
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, in_a_line, line_of, tables_of
-from armour.reporting.table import Column, Source, Table, VerdictLine, between, rows_csv
+from armour.reporting.table import Column, Source, Table, VerdictLine, between
 from armour.validation.tested import limits_measured
 
 
 class StageWords(NamedTuple):
-    """A stage of an impact in words: the event that begins it, its name, and its description."""
+    """A stage of an impact in words: the event that begins it, and its description."""
 
     begins: str
-    name: str
     words: str
 
 
 STAGES = {
-    "i": StageWords("impact", "intact tile", "tile intact, penetrator erodes"),
-    "ii.1": StageWords("tile fragments", "fragmented tile", "tile in fragments, penetrator erodes"),
-    "ii.2": StageWords("front held", "dwell on the tile", "dwell on the tile, penetrator erodes"),
-    "ii.3": StageWords("erosion ends", "tile, rigid penetrator", "tile, penetrator rigid"),
-    "iii.1": StageWords("penetrator erodes", "plate, eroding penetrator", "plate, penetrator erodes"),
-    "iii.2": StageWords("front held", "dwell on the plate", "dwell on the plate, penetrator erodes"),
-    "iii.3": StageWords("erosion ends", "plate, rigid penetrator", "plate, penetrator rigid"),
-    "iii.4": StageWords("plug moves along", "plug carried along", "plate carried along"),
-    "iii.5": StageWords("tile moves along", "tile carried along", "fragments carried along"),
+    "i": StageWords("impact", "tile intact, penetrator erodes"),
+    "ii.1": StageWords("tile fragments", "tile in fragments, penetrator erodes"),
+    "ii.2": StageWords("front held", "dwell on the tile, penetrator erodes"),
+    "ii.3": StageWords("erosion ends", "tile, penetrator rigid"),
+    "iii.1": StageWords("penetrator erodes", "plate, penetrator erodes"),
+    "iii.2": StageWords("front held", "dwell on the plate, penetrator erodes"),
+    "iii.3": StageWords("erosion ends", "plate, penetrator rigid"),
+    "iii.4": StageWords("plug moves along", "plate carried along"),
+    "iii.5": StageWords("tile moves along", "fragments carried along"),
 }
 
 
@@ -67,13 +66,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     depth = f"{result.penetration_depth_mm:.1f} mm below the front face"
     shown.append(Table.of_facts({"armour": armour_words(result), "depth": depth}))
     if confidence is not None:
-        shown += phrases.basis_notes(confidence)
-        distributed = result.question["scenario"].uncertainty
-        if confidence.model_error is None and distributed is not None and distributed.inputs():
-            shown.append(f"{phrases.SAMPLED_ALONE}: armour uncertainty")
-        elif (exceeds := confidence.probability_v50_exceeds_velocity) is not None:
-            at = f"{result.impact_velocity_m_s:g} m/s"
-            shown.append(f"V50 exceeds {at} with {phrases.chance(exceeds)}; {phrases.scatter(confidence.model_error)}")
+        shown += [*phrases.basis_notes(confidence), *phrases.v50_notes(confidence, result.impact_velocity_m_s)]
     return shown
 
 
@@ -134,13 +127,6 @@ def stage_table(result: ImpactResult) -> Table:
     return Table.of(result.stages, Column.of("stage"), happens, Column.of("end_us", ".1f", "until"), *lost, energy)
 
 
-def history_csv(result: ImpactResult) -> str | None:
-    """Format the history of an impact as CSV; None if it was not kept."""
-    if result.history is None:
-        return None
-    return rows_csv(result.history)
-
-
 def crossing_table(result: LimitResult) -> Table:
     """Tabulate the velocities at which the outcome changes, and the outcome above each."""
     columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
@@ -194,9 +180,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
         low, high = result.scanned_range_m_s
         below, above = result.bracket_m_s
         scanned = f"{result.scanned_velocities} velocities from {low:g} to {high:g} m/s were scanned"
-        if (error := result.model_error) is not None:
-            more = *phrases.extrapolation(error), *phrases.tested_here(error)
-            shown.append("; ".join([phrases.size_of(error), *more]))
+        shown += [] if result.model_error is None else [phrases.model_error_words(result.model_error)]
         shown.append(f"{scanned}; bracket width {above - below:.1g} m/s")
     return shown
 

@@ -1,6 +1,6 @@
 """Answers on armours: a verdict in a line, and the facts that it rests on; the details are for -v."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf
 from operator import attrgetter
 from typing import Any
@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 from armour.design.against import Moved
 from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding
-from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair, armour_in_words
+from armour.design.optimise import Design, DesignOfFront, DesignResult, Pair, armour_in_words
 from armour.design.requirements import GOOD, VERDICTS, Verdict
 from armour.errors import counted
 from armour.evidence.tests import TOO_THIN
@@ -18,7 +18,7 @@ from armour.reporting.junit import TestCase, junit_suite
 from armour.reporting.report import Report, ReportSection, section_of
 from armour.reporting.table import Column, Source, Table, VerdictLine, beside, csv_text, interval, of_part, percent
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import OBJECTIVES, InertLayer
+from armour.scenario.schema import OBJECTIVES
 
 AREAL_DENSITY, COST = Column.of("areal_density_kg_m2"), Column.of("cost_per_m2", ".0f")
 THICKNESS = Column.of("thickness_mm", ".4g", "total thickness")
@@ -34,9 +34,6 @@ LIMIT, STOPS, VERDICT = Column("limit, m/s", prose=True), Column("stops", prose=
 MOST_NAMED = 3
 BY_MODEL = "* by the model, without tests"
 METALS = "do not compare metals of different strength: the model exaggerates it"
-# Words for the places of layers without ballistic effect, and for those without a name.
-PLACES = {"front": "in front", "between": "between tile and back plate", "behind": "behind"}
-UNNAMED = "added for adhesive or cover"
 
 
 def verdict_word(verdict: Verdict) -> str:
@@ -217,22 +214,7 @@ def needs(threat: CheckedThreat) -> str:
     needed = threat.flow_stress
     if threat.verdict != "not known" or needed is None or needed.needed_GPa is None:
         return ""
-    sources, likely = " to ".join(f"{each:g}" for each in needed.sources_GPa), needed.needed_for_probability_GPa
-    least = f"{phrases.rounded_up(needed.needed_GPa)} GPa by the model"
-    if threat.required_probability is not None:
-        more = "no value" if likely is None else f"{phrases.rounded_up(likely)} GPa"
-        least += f", {more} for {percent(needed.probability)}"
-    return f"a flow stress of {needed.ceramic} of {least}; {f'sources give {sources}' if sources else 'no source'}"
-
-
-def layer_words(layers: Sequence[InertLayer]) -> list[str]:
-    """Return a phrase for each layer without ballistic effect: its name, place, thickness and areal density."""
-    words = []
-    for layer in layers:
-        amounts = ((layer.thickness_mm, "mm"), (layer.areal_density_kg_m2, "kg/m²"))
-        if said := " and ".join(f"{value:g} {unit}" for value, unit in amounts if value):
-            words.append(f"{layer.name}, {PLACES[layer.place]}: {said}" if layer.name else f"{said} {UNNAMED}")
-    return words
+    return phrases.needed_flow_stress(needed, likely=threat.required_probability is not None)
 
 
 @tables_of.register
@@ -268,7 +250,7 @@ def next_step(result: CheckResult) -> tuple[str, str]:
 def details(result: CheckResult) -> list[Table | str]:
     """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat."""
     scenario = result.question["scenario"]
-    shown = [*layer_words(scenario.armour.layer)]
+    shown = list[Table | str]()
     if result.whole_thickness_mm != result.thickness_mm:
         whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
         shown.append(f"{whole} with the back plate, which exists")
@@ -276,9 +258,8 @@ def details(result: CheckResult) -> list[Table | str]:
     notes = []
     for threat in result.threats:
         against = f"against {threat.threat}: " * (len(result.threats) > 1)
-        exceeds = threat.probability_v50_exceeds_velocity
-        v50 = [] if exceeds is None else [f"V50 exceeds {threat.velocity_m_s:g} m/s with {phrases.chance(exceeds)}"]
-        notes += [against + note for note in (*v50, *phrases.basis_notes(threat))]
+        told = *phrases.v50_notes(threat, threat.velocity_m_s), *phrases.basis_notes(threat)
+        notes += [against + note for note in told]
     return [*shown, *tables, *notes, *phrases.threat_notes(scenario)]
 
 
@@ -303,18 +284,23 @@ def name_of(result: CheckResult) -> str:
 
 def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
     """Tabulate several armours: what each is, weighs and costs, its limit and its verdict."""
-    items = [(result, deciding(result)) for result in results]
     table = Table.of(
-        items,
-        (Column("name", prose=True), lambda item: name_of(item[0])),
-        (Column("armour", prose=True), lambda item: item[0].question["scenario"].armour_words()),
-        (Column("kg/m²", spec=".1f"), lambda item: item[0].areal_density_kg_m2),
-        (Column("cost", spec=".0f"), lambda item: item[0].cost_per_m2),
-        (Column("limit", prose=True), lambda item: _marked_limit(item[1])),
-        (STOPS, lambda item: chance_text(item[1])),
-        (VERDICT, lambda item: verdict_cell(item[0])),
+        results,
+        (Column("name", prose=True), name_of),
+        (Column("armour", prose=True), lambda result: result.question["scenario"].armour_words()),
+        *_verdict_columns,
+        (VERDICT, verdict_cell),
     )
-    return [table, *_by_model(item[1] for item in items)]
+    return [table, *_by_model(results)]
+
+
+# Columns of a table of armours, of which each row is a check.
+_verdict_columns: tuple[Source, ...] = (
+    (Column("kg/m²", spec=".1f"), attrgetter(AREAL_DENSITY.key)),
+    (Column("cost", spec=".0f"), attrgetter(COST.key)),
+    (LIMIT, lambda result: _marked_limit(deciding(result))),
+    (STOPS, lambda result: chance_text(deciding(result))),
+)
 
 
 def _marked_limit(threat: CheckedThreat) -> str:
@@ -328,9 +314,9 @@ def _is_limit_by_model(threat: CheckedThreat) -> bool:
     return _is_modelled(threat) and known and threat.expected_limit_m_s is None
 
 
-def _by_model(threats: Iterator[CheckedThreat]) -> list[str]:
+def _by_model(results: Iterable[CheckResult]) -> list[str]:
     """Return what the mark of a limit by the model means, if any is marked."""
-    return [BY_MODEL] * any(map(_is_limit_by_model, threats))
+    return [BY_MODEL] * any(_is_limit_by_model(deciding(result)) for result in results)
 
 
 def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
@@ -355,15 +341,20 @@ def check_report(results: Sequence[CheckResult], moved: Sequence[Table | str]) -
     labels = results[0].question.get("labels") or {"offer" if "labels" in results[0].question else "scenario": ""}
     for result in results:
         named = [*result.question.get("labels", {}).values()] or [name_of(result)]
-        parts = [(threat.threat, threat.verdict, reasons(threat)) for threat in result.threats]
-        parts += [("", row.verdict, phrases.requirement_words(row)) for row in result.requirements]
-        rows += [(*named, threat, verdict_word(verdict), words) for threat, verdict, words in parts]
+        rows += [(*named, name, verdict_word(verdict), words) for name, verdict, words in _parts(result)]
         caveats += [(name_of(result), text) for text in phrases.said_of(result.notes)]
     columns = [Column(label, prose=True) for label in (*labels, "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
     sections += [section_of("Since the earlier check", moved)] if moved else []
     good = {result.verdict for result in results} <= {*GOOD}
     return Report("Check of armour", check_summary(results), tuple(sections), passed=good)
+
+
+def _parts(result: CheckResult) -> Iterator[tuple[str, Verdict, str]]:
+    """Yield name, verdict and reason of each threat, and of each limit of [design]."""
+    yield from ((threat.name, threat.verdict, reasons(threat)) for threat in result.threats)
+    for row in result.requirements:
+        yield Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row)
 
 
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
@@ -425,16 +416,11 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     file, caveats = scenario.file, phrases.said_of(result.notes)
     group = ": ".join(filter(None, (file, result.question.get("name"))))
     labels = [f"{name}: {label}" for name, label in result.question.get("labels", {}).items()]
-    parts = [(threat.name, threat.verdict, reasons(threat), caveats) for threat in result.threats]
-    parts += [
-        (Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row), list[str]())
-        for row in result.requirements
-    ]
     cases = []
-    for name, verdict, why, more in parts:
+    for name, verdict, why in _parts(result):
         found = {"passes": ""}.get(verdict, "skipped" if verdict in GOOD else "failure")
         words = f"{verdict_word(verdict)}: {why}"
-        cases.append(TestCase(group, name, found, words, file=file, output=[words, *labels, *more]))
+        cases.append(TestCase(group, name, found, words, file=file, output=[words, *labels, *caveats]))
     return junit_suite(group, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
 
 
@@ -453,25 +439,23 @@ def sizes(design: Design) -> str:
     return f"{' on '.join(f'{round(mm, 2):g}' for mm in layers if mm)} mm"
 
 
-def best_of_pairs(result: DesignResult) -> list[BestDesign]:
-    """Return the best design of each pair of materials that has one."""
-    return [pair.best for pair in result.pairs if pair.best is not None]
-
-
 @line_of.register
 def design_in_a_line(result: DesignResult) -> str:
     """Return the best design or, without one, the nearest in a line, with the verdict on it."""
     return f"{found_in_a_line(result)}; {in_a_line(result.shown.check)}"
 
 
+def best_word(result: DesignResult) -> str:
+    """Return what the design shown is: "lightest", say, "lightest by the model", or "nearest" if none passes."""
+    if result.reason == "none passes":
+        return "nearest"
+    by_model = any(threat.expected_limit_m_s is None for threat in result.shown.check.threats)
+    return OBJECTIVES[result.minimised].least + " by the model" * by_model
+
+
 def found_in_a_line(result: DesignResult) -> str:
     """Return the best design or, without one, the nearest, with its areal density, thickness and cost."""
-    least, threats = OBJECTIVES[result.minimised].least, result.shown.check.threats
-    if result.reason == "none passes":
-        least = "nearest"
-    elif any(threat.expected_limit_m_s is None for threat in threats):
-        least += " by the model"
-    return f"{least}: {armour_in_words(result.shown)}, {amounts(result.shown.check)}"
+    return f"{best_word(result)}: {armour_in_words(result.shown)}, {amounts(result.shown.check)}"
 
 
 @tables_of.register
@@ -495,12 +479,8 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
     if len(result.pairs) > 1:
         shown += pair_table(result)
     if _every_row(result):
-        plates = result.without_mm
         if result.frontier:
             shown.append(designs_table(result.frontier, "thinnest tile that holds on each plate"))
-        if plates:
-            ends = " to ".join(dict.fromkeys(f"{mm:g}" for mm in (plates[0], plates[-1])))
-            shown.append(f"no tile holds on {counted(len(plates), 'plate')}, {ends} mm")
         shown += [designs_table(result.pareto, "Pareto front")] if result.pareto else []
         shown.append(f"{counted(result.designs, 'design')} computed")
     return shown
@@ -522,41 +502,25 @@ def nearly_as_good(result: DesignResult) -> str:
 def pair_table(result: DesignResult) -> list[Table | str]:
     """Tabulate every pair of materials with its best design or, without one, the nearest."""
     designs = [pair.best or pair.nearest for pair in result.pairs]
-    alike = {each.check.verdict for each in designs if each} == {result.shown.check.verdict}
-
-    def checked(design: BestDesign) -> CheckedThreat:
-        return deciding(design.check)
-
+    checks = [each.check for each in designs if each is not None]
+    alike = {check.verdict for check in checks} == {result.shown.check.verdict}
     table = Table.of(
         zip(result.pairs, designs, strict=True),
         (Column("materials", prose=True), lambda row: pair_words(row[0])),
-        *of_part(
-            lambda row: row[1],
-            (Column("best", prose=True), sizes),
-            (Column("kg/m²", spec=".1f"), attrgetter(AREAL_DENSITY.key)),
-            (Column("cost", spec=".0f"), attrgetter(COST.key)),
-            (LIMIT, lambda design: _marked_limit(checked(design))),
-            (STOPS, lambda design: chance_text(checked(design))),
-            *[(VERDICT, lambda design: verdict_cell(design.check))] * (not alike),
-        ),
+        *of_part(lambda row: row[1], (Column("best", prose=True), sizes)),
+        *of_part(lambda row: row[1] and row[1].check, *_verdict_columns, *[(VERDICT, verdict_cell)] * (not alike)),
         rest="--json",
     )
-    metals = {each.backing for each in best_of_pairs(result) if each.ceramic}
+    metals = {pair.best.backing for pair in result.pairs if pair.best is not None and pair.best.ceramic}
     of_others = phrases.said_of(result.notes, "pairs")
-    marked = _by_model(checked(each) for each in designs if each is not None)
-    return [table, *marked, *[METALS] * (len(metals) > 1), *of_others]
-
-
-def pair_caveats(result: DesignResult) -> list[str]:
-    """Return the caveats of the model on pairs other than the best, and on comparing metals of different strength."""
-    return [text for text in pair_table(result) if isinstance(text, str) and text != BY_MODEL]
+    return [table, *_by_model(checks), *[METALS] * (len(metals) > 1), *of_others]
 
 
 def designs_table(designs: Sequence[Design], title: str) -> Table:
     """Tabulate designs in a row each."""
     margin = [MARGIN] * isinstance(designs[0], DesignOfFront)
     armour: Source = Column("armour", prose=True), armour_in_words
-    columns = armour, AREAL_DENSITY, THICKNESS, COST, phrases.WHOLE, *margin, FAR
+    columns = armour, AREAL_DENSITY, THICKNESS, COST, *margin, FAR
     return Table.of(designs, *columns, title=title, rest="--csv FILE")
 
 

@@ -1,16 +1,13 @@
 """Tables of the library of projectiles and materials, and of the files shipped with the program."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
-from armour.errors import listed
 from armour.files import read_toml, shipped_files, shipped_suites
 from armour.reporting.table import Column, Source, Table
 from armour.scenario.inputs import Kind
 from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, LibraryEntry, NamedThreat
 
-# By kind and name of a library entry: the names of what it was tested with, rounds for a material and vice versa.
-Tested = Mapping[tuple[Kind, str], Sequence[str]]
 # Numerical attributes of a threat that its table shows.
 VALUES = ("velocity_m_s", "tolerance_m_s", "obliquity_deg")
 # Contents and use of the shipped tables of tests, which have no titles of their own.
@@ -22,18 +19,15 @@ TABLES_OF_TESTS = {
 }
 
 
-def library_table(kind: Kind, entries: Collection[LibraryEntry], tested: Tested | None = None) -> Table:
+def library_table(kind: Kind, entries: Collection[LibraryEntry]) -> Table:
     """Tabulate entries of a kind: name, values to 4 digits, and description.
 
-    A value that is derived in every entry has no column.  If `tested` is given, show what each entry was tested with
-    instead of its description.
+    A value that is derived in every entry has no column.
     """
     used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
     keys = [key for key in KINDS[kind].model_fields if key in used_keys]
     description = Column.of("description", prose=True)
     described: Source = description, lambda entry: entry.description + " (doubtful)" * bool(entry.doubtful)
-    if tested is not None:
-        described = (Column("tested with", prose=True), lambda entry: listed(tested[kind, entry.name]))
     return Table.of(
         entries,
         Column.of("name", label=kind),
@@ -61,10 +55,10 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
     )
 
 
-def tables_by_kind(items: Mapping[Any, Mapping[str, Any]], tested: Tested | None = None) -> list[Table]:
-    """Tabulate entries and threats, given by kind and name; `tested` is that of `library_table`."""
+def tables_by_kind(items: Mapping[Any, Mapping[str, Any]]) -> list[Table]:
+    """Tabulate entries and threats, given by kind and name."""
     return [
-        threat_table(of_kind) if kind == "threat" else library_table(kind, of_kind.values(), tested)
+        threat_table(of_kind) if kind == "threat" else library_table(kind, of_kind.values())
         for kind, of_kind in items.items()
     ]
 

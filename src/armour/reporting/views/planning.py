@@ -1,20 +1,14 @@
 """Answers on plans of shots."""
 
-from itertools import zip_longest
-
 from armour.planning.firing import ShotPlan
 from armour.reporting.by_result import in_a_line, line_of, tables_of
-from armour.reporting.table import Column, Table, VerdictLine, between, interval, percent
-from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, second_note, share_note
+from armour.reporting.table import Column, Table, VerdictLine, between, percent
+from armour.reporting.views.statistics import SCATTER_ASSUMED, prior_table, shot_table, velocity_name
 from armour.reporting.words import chance, model_error_words, rounded_down
 
 DECISION = (
     "the shots alone decide, as soon as a likelihood ratio is large enough; the model's limit and its error play no "
     "part; armour v50 decides on shots whose number was fixed beforehand, with approximate risks"
-)
-ONE_SIDE = (
-    "all shots lie on one side of the required velocity, which says little as long as the scatter may be large; the "
-    "next velocity is chosen to say more"
 )
 
 
@@ -31,20 +25,19 @@ def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
     """Return the next velocity, the shots and V50 so far; with `every_row`, why, and all details."""
     good = plan.decision == "met" if plan.stopped and plan.decision else None
     shown: list[Table | str] = [VerdictLine(in_a_line(plan), good=good), Table.of_facts(_facts_of(plan))]
-    shown += second_note(plan.recommended)
     return [*shown, *_details(plan)] if plan.question.get("every_row") else shown
 
 
 def _facts_of(plan: ShotPlan) -> dict[str, str]:
     """Return the shots so far, V50 and the requirement, by label."""
     found, count = plan.posterior, len(plan.fired.complete)
-    shots = f"{count} so far" + f", {plan.simulated} of them simulated" * bool(plan.simulated)
+    shots = f"{count} so far"
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
         shots += f", about {_number_of_shots(plan.expected_shots)} to go"
         shots += "" if plan.half_width_m_s is None else f" until V50 is known to ± {plan.half_width_m_s:g} m/s"
     shots += "" if plan.consumers_risk is None else f"; both risks at most {percent(plan.consumers_risk)}"
     v50 = f"{found.v50_m_s:.0f} m/s expected ({between(plan.confidence, found.v50_interval_m_s, '.0f')})"
-    v50 += f"; scatter {found.scatter_m_s:.0f} m/s" + " assumed" * (not count and not plan.earlier)
+    v50 += f"; scatter {found.scatter_m_s:.0f} m/s" + " assumed" * (not count)
     facts = {"shots": shots, "V50": v50}
     if plan.model_error is None:
         facts["from"] = f"V50 {plan.expected_from}"
@@ -54,9 +47,8 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
     if plan.mean is not None:
         facts["mean"] = f"{plan.mean.v50_m_s:.0f} m/s (MIL-STD-662F)"
     if plan.requirement_m_s is not None and plan.probability_met is not None:
-        fraction = plan.requirement_fraction
-        speed = "V50" if fraction == 0.5 else f"the velocity at which {percent(fraction)} perforate"
-        required = f"{speed} of at least {plan.requirement_m_s:g} m/s: met with {chance(plan.probability_met)}"
+        required = f"{velocity_name(plan.requirement_fraction)} of at least {plan.requirement_m_s:g} m/s"
+        required += f": met with {chance(plan.probability_met)}"
         facts["required"] = required + " before any shot" * (not count)
     if count and plan.consumers_risk is not None:
         ratios = [_ratio(each, plan.consumers_risk) for each in (plan.evidence_met, plan.evidence_not_met)]
@@ -67,35 +59,14 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
 def _details(plan: ShotPlan) -> list[Table | str]:
     """Return why the next velocity is chosen, what the plan starts from, and the shots."""
     shown: list[Table | str] = [f"reason: {plan.reason}"] if plan.reason else []
-    if plan.expected_shots_90 is not None:
-        shown.append(f"further shots expected with --confidence 0.9: {plan.expected_shots_90:.0f}")
     if plan.consumers_risk is not None:
         shown.append(DECISION)
-        shots = plan.fired.velocities_m_s
-        if shots and not plan.stopped and not min(shots) <= (plan.requirement_m_s or 0.0) <= max(shots):
-            shown.append(ONE_SIDE)
-    settings = {
-        "procedure": plan.procedure,
-        "half width": "" if plan.half_width_m_s is None else f"{plan.half_width_m_s:g} m/s, at which the firing ends",
-        "limits of V50": "" if plan.limits_m_s is None else f"{interval(plan.limits_m_s, '.0f')} m/s",
-        "simulated": f"V50 {plan.true_v50_m_s:g} m/s, scatter {plan.true_scatter_m_s:g} m/s" if plan.simulated else "",
-    }
-    shown.append(Table.of_facts(settings))
     shown += [operating_table(plan)] if plan.operating_characteristic else []
     if plan.fired.complete:
         shown.append(prior_table(plan.prior, plan.posterior, plan.confidence))
     shown += [] if plan.model_error is None else [model_error_words(plan.model_error)]
-    shown.append(scatter_note(plan) if plan.earlier else SCATTER_ASSUMED)
-    if plan.fired.complete and not plan.contradicts_prior:
-        shown.append(share_note(plan.prior_share))
-    return [*shown, _shot_table(plan)] if plan.fired.complete else shown
-
-
-def scatter_note(plan: ShotPlan) -> str:
-    """Return a note on the prior of the scatter, which combines earlier firings with the expected scatter."""
-    firings = "an earlier firing" if plan.earlier == 1 else f"{plan.earlier} earlier firings"
-    scatter = f"{plan.scatter_percent:.2g} % of V50 within a factor of {plan.scatter_factor:.2g}"
-    return f"the prior for the scatter, {scatter}, combines {firings} and the scatter that was expected"
+    shown.append(SCATTER_ASSUMED)
+    return [*shown, shot_table(plan.fired)] if plan.fired.complete else shown
 
 
 def _ratio(ratio: float | None, risk: float) -> str:
@@ -122,14 +93,3 @@ def operating_table(plan: ShotPlan) -> Table:
         (Column("median of shots"), lambda point: _number_of_shots(point.shots)),
         title=f"operating characteristic: simulated firings at a scatter of {scatter:.0f} m/s",
     )
-
-
-def _shot_table(plan: ShotPlan) -> Table:
-    """Tabulate the shots in the order fired."""
-    fired = plan.fired
-    kinds = ["perforated" if complete else "stopped" for complete in fired.complete]
-    rows = zip_longest(fired.names, fired.velocities_m_s, kinds, fillvalue="")
-    shots = tuple((name or str(number), *shot) for number, (name, *shot) in enumerate(rows, start=1))
-    decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in fired.velocities_m_s)
-    columns = Column("shot"), Column("velocity", "m/s", f".{max(decimals, 1)}f"), Column("result")
-    return Table(columns, shots)

@@ -1,6 +1,6 @@
 """Tables of uncertainties, sensitivities, calibrations, and V50 from firing results."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.errors import counted
@@ -8,7 +8,6 @@ from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.table import (
     Cell,
     Column,
-    Source,
     Table,
     VerdictLine,
     between,
@@ -20,18 +19,16 @@ from armour.reporting.table import (
     with_interval,
 )
 from armour.reporting.views.analysis import tables_of_each
-from armour.reporting.words import chance, error_note, rounded_up, sampled_percents
+from armour.reporting.words import chance, model_error_words, rounded_up, sampled_percents
 from armour.scenario.scenario import rounds
 from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.curves import FittedCurve
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.lots import V50Difference
-from armour.statistics.measured import LIMIT
-from armour.statistics.own_tests import OwnTest
 from armour.statistics.posterior import FiringEstimate
 from armour.statistics.sensitivity import SensitivityResult
 from armour.statistics.uncertainty import UncertaintyResult
-from armour.statistics.v50 import FiringResult, LotResults
+from armour.statistics.v50 import FiringResult, LotResults, Shots
 
 SCATTER_ASSUMED = "the prior for the scatter is assumed; the model does not predict scatter"
 # Inputs of a sensitivity, and tests of a calibration, that the first answer shows.
@@ -50,10 +47,8 @@ def influence_table(result: UncertaintyResult) -> Table:
 @line_of.register
 def uncertainty_in_a_line(result: UncertaintyResult) -> str:
     """Return the probability of stopping a shot, or what the given distributions alone say."""
-    scenario, p = (
-        result.question.get("scenario"),
-        result.probability_of_perforation or result.perforated_by_distributions,
-    )
+    scenario = result.question.get("scenario")
+    p = result.probability_of_perforation or result.perforated_by_distributions
     assert p is not None
     value, low, high = sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low))
     if result.probability_of_perforation is None:
@@ -73,26 +68,30 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
     line = VerdictLine(in_a_line(result), good=None if result.probability_of_perforation else False)
     shown: list[Table | str] = [line, Table.of_facts({"limit": "; ".join(limit)}), influence_table(result)]
     if result.question.get("every_row"):
-        sampling = f"{result.samples} by {result.method}, seed {result.seed}"
+        sampling = f"{result.samples} by sobol, seed {result.seed}"
         spread = f"{result.standard_deviation_m_s:.0f} m/s"
         shown.append(Table.of_facts({"samples": sampling, "standard deviation": spread}))
-        shown.append(error_note(result.model_error, result.question.get("scenario")))
+        shown += [] if result.model_error is None else [model_error_words(result.model_error)]
     return shown
 
 
 def elasticity_table(result: SensitivityResult, answers: Sequence[str], most: int | None = None) -> Table:
     """Tabulate the change of each of some answers, %, when an input grows by 1 %, for at most so many inputs."""
-    value: Source = Column("value"), lambda item: f"{item.value:.5g} {Column.of(item.input).unit}".rstrip()
-    names: Source = Column("1 % more of", prose=True), lambda item: Column.of(item.input).label
-    of_limit = [LIMIT] if LIMIT in answers else []
-    labels = [Column.of(name).label.replace("ballistic ", "") for name in answers]
-    labels = [f"changes the {label} by" if len(labels) == 1 else label for label in labels]
-    changes = (
-        (Column(label), lambda item, name=name: _percent(item.elasticities[name]))
-        for name, label in zip(answers, labels, strict=True)
+    rows = [item for item in result.inputs if any(item.elasticities[name] is not None for name in answers)]
+    return Table.of(
+        rows[:most],
+        (Column("1 % more of", prose=True), lambda item: Column.of(item.input).label),
+        (Column("value"), lambda item: Column.of(item.input, ".5g").with_unit(item.value)),
+        *(
+            (Column(f"changes the {_short(name)} by"), lambda item, name=name: _percent(item.elasticities[name]))
+            for name in answers
+        ),
     )
-    rows = [item for item in result.inputs if not of_limit or most is None or item.elasticities[LIMIT] is not None]
-    return Table.of(rows[:most], names, value, *changes)
+
+
+def _short(answer: str) -> str:
+    """Return the name of an answer, such as "limit"."""
+    return Column.of(answer).label.replace("ballistic ", "")
 
 
 def _percent(change: float | None) -> str | None:
@@ -108,17 +107,14 @@ def sensitivity_in_a_line(result: SensitivityResult) -> str:
     if not inputs:
         return "no answer depends on any input"
     most = max(inputs, key=lambda item: abs(item.elasticities[answer] or 0.0))
-    name = Column.of(answer).label.replace("ballistic ", "")
-    return f"the {name} by the model, {value:.0f} m/s, depends most on the {Column.of(most.input).label}"
+    return f"the {_short(answer)} by the model, {value:.0f} m/s, depends most on the {Column.of(most.input).label}"
 
 
 @tables_of.register
 def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
     """Return the inputs on which the first answer depends most; with `every_row`, all inputs and answers."""
-    answers, line = (
-        [name for name, value in result.answers.items() if value is not None],
-        VerdictLine(in_a_line(result)),
-    )
+    answers = [name for name, value in result.answers.items() if value is not None]
+    line = VerdictLine(in_a_line(result))
     if result.question.get("every_row"):
         values = {
             Column.of(name).label: "none" if value is None else f"{value:.0f} m/s by the model"
@@ -138,11 +134,11 @@ def calibration_in_a_line(result: CalibrationResult) -> str:
 
 def _coefficient_words(coefficient: Coefficient, level: float) -> str:
     """Return a fitted input with its interval, or why it is not identified."""
-    column, ends = Column.of(coefficient.name), coefficient.interval
+    column, ends = Column.of(coefficient.name, ".4g"), coefficient.interval
     if coefficient.estimate is None:
         return f"{column.label} not identified: {coefficient.reason}"
     words = "; ".join([*([between(level, ends, ".4g")] if ends else []), *filter(None, [coefficient.reason])])
-    return f"{column.label} {f'{coefficient.estimate:.4g} {column.unit}'.rstrip()} ({words})"
+    return f"{column.label} {column.with_unit(coefficient.estimate)} ({words})"
 
 
 def calibration_table(result: CalibrationResult) -> Table:
@@ -170,8 +166,6 @@ def correlation_table(result: CalibrationResult) -> Table:
 
 def residual_table(result: CalibrationResult) -> Table:
     """Tabulate measured and computed values, test by test; shots give a bound and have no deviation."""
-    quantities = {residual.quantity for residual in result.residuals}
-    shared = Column.of(*quantities) if len(quantities) == 1 else Column("")
 
     def deviation(residual: Residual, value: float | None) -> float | None:
         return None if residual.bound else deviation_percent(value, residual.measured)
@@ -179,36 +173,14 @@ def residual_table(result: CalibrationResult) -> Table:
     return Table.of(
         result.residuals,
         Column.of("test", prose=True),
-        (Column("quantity", prose=True), lambda r: "" if shared.label else Column.of(r.quantity).label),
-        (Column("unit"), lambda r: "" if shared.label else Column.of(r.quantity).unit),
+        (Column("quantity", prose=True), lambda r: in_words(r.quantity)),
         Column.of("bound"),
-        (Column(f"measured {shared.label}".rstrip(), shared.unit, "g"), lambda r: r.measured),
-        (Column("computed", shared.unit, ".4g"), lambda r: r.computed),
+        Column.of("measured", "g"),
+        Column.of("computed", ".4g"),
         (Column("deviation", "%", "+.1f"), lambda r: deviation(r, r.computed)),
         (Column("leave-one-out deviation", "%", "+.1f"), lambda r: deviation(r, r.left_out)),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
-
-
-def own_test_table(tests: Sequence[OwnTest]) -> Table:
-    """Tabulate own tests: the measured limits, those computed, and those predicted from the other own tests."""
-    predicted = Column("predicted from the others (95 % interval)", "m/s")
-    return Table.of(
-        tests,
-        Column.of("name", label="test", prose=True),
-        *Column.of_each(ceramic_thickness_mm="g", backing_thickness_mm="g", obliquity_deg=".0f"),
-        Column.of("penetrator_diameter_mm", ".4g", "penetrator diameter"),
-        (Column("measured", "m/s"), own_measured),
-        Column.of("computed_m_s", ".0f", "computed"),
-        (predicted, lambda test: f"{test.predicted_m_s:.0f} ({interval(test.interval_m_s, '.0f')})"),
-        (Column("out of line"), lambda test: "yes" if test.out_of_line else ""),
-    )
-
-
-def own_measured(test: OwnTest) -> str:
-    """Return what an own test measured, m/s, with its standard deviation, such as "at least 820 ± 15"."""
-    deviation = f" ± {test.uncertainty_m_s:.0f}" if test.uncertainty_m_s else ""
-    return f"{test.bound}{' ' * bool(test.bound)}{test.measured_m_s:.0f}{deviation}"
 
 
 @tables_of.register
@@ -272,39 +244,11 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
     return Table.of_rows(columns, rows, f"recommended: {fit.curve}, {fit.method}")
 
 
-def curve_table(result: FiringResult) -> Table:
-    """Tabulate all fitted curves: V50 and scatter with their intervals, V05 and V95."""
-    level = f"{percent(result.confidence)} interval"
-    return Table.of(
-        (*result.penalised_fits, *result.fits),
-        Column.of("curve"),
-        (Column("likelihood"), lambda fit: fit.method.removesuffix(" likelihood")),
-        (Column(f"V50, {level}", "m/s"), lambda fit: with_interval(fit.v50_m_s, fit.v50_interval_m_s, ".0f")),
-        (Column(f"scatter, {level}", "m/s"), lambda fit: with_interval(fit.scale_m_s, fit.scale_interval_m_s, ".0f")),
-        Column.of("v05_m_s", ".0f", "V05"),
-        Column.of("v95_m_s", ".0f", "V95"),
-    )
-
-
-SEPARATED = (
-    "every shot that perforated was faster than every one stopped: by maximum likelihood every V50 between them is "
-    "equally likely, and the scatter is 0"
-)
-WIDER = (
-    "the posterior is wider than the interval by the shots alone: its prior expects more scatter than the shots show"
-)
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
-# Words for the rule for the span of the shots that are averaged, and notes on it.
+# Words for the rule for the span of the shots that are averaged.
 MEANS = {"usual span": "MIL-STD-662F", "given span": "span as given", "no usual rule": "no usual rule"}
-MEAN_NOTES = {
-    "usual span": "the span allowed is usual with this number of shots; MIL-STD-662F leaves it to the specification",
-    "given span": "the span allowed is given and not the usual one; MIL-STD-662F leaves it to the specification",
-    "no usual rule": "MIL-STD-662F does not usually average this number of shots",
-}
-
-
 FIXED = (
     "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 13 %; they hold for "
     "shots whose number did not depend on their results; armour plan shots --requirement-m-s decides at any time, with "
@@ -321,14 +265,6 @@ def _further(result: FiringResult) -> str:
         return f"no single shot bounds V50; {shot} comes nearest"
     lower = "" if further.confidence == result.confidence else f"{percent(further.confidence)} "
     return f"{shot} would bound V50: {lower}{interval(further.interval_m_s, '.0f')} m/s"
-
-
-def second_note(fit: FittedCurve | None) -> list[str]:
-    """Return a note on a second curve that fits the shots nearly as well as the recommended one, if there is one."""
-    if fit is None or fit.second_v50_m_s is None:
-        return []
-    first, second = f"{fit.v50_m_s:.1f} (scatter {fit.scale_m_s:.1f})", f"{fit.second_v50_m_s:.1f}"
-    return [f"as likely as V50 {first} is {second} m/s (scatter {fit.second_scale_m_s:.1f}): further shots decide"]
 
 
 def points(result: FiringResult) -> dict[str, str]:
@@ -381,14 +317,6 @@ def firing_in_a_line(result: FiringResult) -> str:
     return decision(result) if result.decision else _v50_words(result)
 
 
-def at_one_level(result: FiringResult) -> str:
-    """Return V50 by the recommended curve, or else the first, with its interval at the level asked for."""
-    fit = result.recommended or next(iter(result.fits), None)
-    if fit is None or result.extrapolated:
-        return "V50 not bounded by these shots"
-    return f"V50 {fit.v50_m_s:.0f} m/s, {percent(result.confidence)} interval {interval(fit.v50_interval_m_s, '.0f')}"
-
-
 def _v50_words(result: FiringResult) -> str:
     """Return V50 by the recommended curve, with its interval and, without a requirement, its lower bound."""
     level, ends, fit = result.bounded_confidence, result.bounded_interval_m_s, result.recommended
@@ -407,30 +335,31 @@ def _v50_words(result: FiringResult) -> str:
 
 @tables_of.register
 def tables_of_firing(result: FiringResult) -> list[Table | str]:
-    """Return whether a requirement is met, V50, and what it rests on; with `every_row`, also all curves."""
+    """Return whether a requirement is met, V50, and what it rests on; with `every_row`, also V05, V95 and intervals."""
     good = result.decision == "met" if result.decision else None
-    shown: list[Table | str] = [VerdictLine(in_a_line(result), good=good)]
-    shown += [VerdictLine(_v50_words(result))] if result.decision else []
-    shown += [Table.of_facts(_facts_of(result)), *second_note(result.recommended)]
-    if not result.question.get("every_row"):
-        return shown
+    details = estimates(result) if result.question.get("every_row") else []
+    return [VerdictLine(in_a_line(result), good=good), *facts_of_firing(result), *details]
+
+
+def facts_of_firing(result: FiringResult) -> list[Table | str]:
+    """Return V50, if a decision on a requirement stands before it, and what it rests on."""
+    v50 = [VerdictLine(_v50_words(result))] if result.decision else []
+    return [*v50, Table.of_facts(_facts_of(result))]
+
+
+def estimates(result: FiringResult) -> list[Table | str]:
+    """Return the risks of deciding now, the recommended curve and, with a prior, V50 with and without the shots."""
+    limit = result.model_ballistic_limit_m_s
+    shown: list[Table | str] = [] if limit is None else [f"ballistic limit {limit:.0f} m/s by the model"]
     if result.consumers_risk is not None and result.producers_risk is not None:
         risks = f"{rounded_risk(result.consumers_risk)}, of rejecting it {rounded_risk(result.producers_risk)}"
         shown.append(f"risk of accepting the armour now {risks}; {FIXED}")
     if result.recommended is not None:
         shown += [recommended_table(result.recommended, result.confidence), PENALISED]
-    if result.prior is not None and result.posterior is not None and result.prior_share is not None:
+    if result.prior is not None and result.posterior is not None:
         table = prior_table(result.prior, result.posterior, result.confidence)
-        shown += [table, SCATTER_ASSUMED, share_note(result.prior_share)]
-        low, high = (None, None) if result.recommended is None else result.recommended.v50_interval_m_s
-        slowest, fastest = result.posterior.v50_interval_m_s
-        shown += [WIDER] if low is not None and high is not None and high - low < fastest - slowest else []
-    if result.fits:
-        shown.append(curve_table(result))
-    if (limit := result.model_ballistic_limit_m_s) is not None:
-        shown.append(f"ballistic limit {limit:.0f} m/s by the model")
-    shown += [MEAN_NOTES[result.mean.rule]] if result.mean is not None else []
-    return [*shown, *([SEPARATED] if result.separated else [])]
+        shown += [table, SCATTER_ASSUMED]
+    return shown
 
 
 def _facts_of(result: FiringResult) -> dict[str, str]:
@@ -457,7 +386,7 @@ def _facts_of(result: FiringResult) -> dict[str, str]:
         if result.expected_limit_m_s is not None and result.model_interval_m_s is not None:
             ends_of_model = between(0.95, result.model_interval_m_s, ".0f")
             facts["expected"] = f"{result.expected_limit_m_s:.0f} m/s before these shots ({ends_of_model})"
-    if posterior is not None and result.prior_share is not None:
+    if posterior is not None:
         ends_of_v50 = between(result.confidence, posterior.v50_interval_m_s, ".0f")
         facts["together"] = f"{posterior.v50_m_s:.0f} m/s ({ends_of_v50}), with the expected limit as prior"
     return facts
@@ -495,17 +424,9 @@ def _difference(pair: str, found: V50Difference, pairs: int) -> str:
 
 @tables_of.register
 def tables_of_lots(result: LotResults) -> list[Table | str]:
-    """Return whether the lots differ, V50 of each at one level, and the tables of each."""
+    """Return whether the lots differ, and the line or the tables of each."""
     shown: list[Table | str] = [*difference_words(result)]
     shown += [ONE_SCATTER] if shown else []
-    fits = {name: lot.recommended for name, lot in result.results.items() if isinstance(lot, FiringResult)}
-    if any(fits.values()):
-        level = percent(next(lot.confidence for lot in result.results.values() if isinstance(lot, FiringResult)))
-        v50: Source = Column("V50", "m/s", ".0f"), lambda row: row[1].v50_m_s
-        ends: Source = Column(f"{level} interval", "m/s"), lambda row: interval(row[1].v50_interval_m_s, ".0f")
-        scatter: Source = Column("scatter", "m/s", ".0f"), lambda row: row[1].scale_m_s
-        known = [(name, fit) for name, fit in fits.items() if fit is not None]
-        shown.append(Table.of(known, (Column("lot"), lambda row: row[0]), v50, ends, scatter, title="V50 of each"))
     return [*shown, *tables_of_each(result)]
 
 
@@ -521,9 +442,13 @@ def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) 
     )
 
 
-def share_note(share: float) -> str:
-    """Return a note on how much the prior contributes to the posterior of V50; `share` is part of the precision."""
-    if share >= 1.0:
-        return "the shots do not narrow V50: its posterior is no narrower than its prior"
-    part = f"{100.0 * share:.{0 if share > 0.095 else 1}f} %"
-    return f"the prior contributes {part} of the precision (inverse variance) of V50, and the shots contribute the rest"
+def shot_table(shots: Shots, averaged: Collection[int] = (), heading: str = "") -> Table:
+    """Tabulate shots in the order fired; those whose indices are in `averaged` are marked in a column `heading`."""
+    decimals = max(len(f"{velocity:.3f}".rstrip("0").partition(".")[2]) for velocity in shots.velocities_m_s)
+    return Table.of(
+        range(len(shots.complete)),
+        (Column("shot"), lambda i: (shots.names[i] if shots.names else "") or str(i + 1)),
+        (Column("velocity", "m/s", f".{max(decimals, 1)}f"), lambda i: shots.velocities_m_s[i]),
+        (Column("result"), lambda i: "perforated" if shots.complete[i] else "stopped"),
+        (Column(heading), lambda i: "yes" if i in averaged else ""),
+    )

@@ -1,25 +1,19 @@
 """Tables and reports of suites, of the paper's figures, and of comparisons with simpler formulas."""
 
-from collections.abc import Mapping, Sequence
-from itertools import zip_longest
-from math import ceil, floor, log10
+from collections.abc import Iterable, Mapping, Sequence
 
 from armour import __version__
-from armour.analysis.quantities import QUANTITIES
 from armour.errors import counted
-from armour.evidence.tests import armours_of, limits_of_model
-from armour.reporting.by_result import drawing_of, in_a_line, line_of, tables_of
+from armour.reporting.by_result import drawing_of, headline, in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite, junit_xml
 from armour.reporting.report import Report, ReportSection, origin_section
-from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, number
+from armour.reporting.table import Cell, Column, Table, VerdictLine, grouped, sentence
 from armour.reporting.views.analysis import armour_words, crossings, limits_in_words, measured_here
 from armour.reporting.words import said_of
-from armour.statistics.measured import LIMIT
-from armour.validation.comparison import Comparison, Error
+from armour.validation.comparison import Comparison
 from armour.validation.figures import Figure
-from armour.validation.formulas import florence_name
-from armour.validation.suite import Case
 from armour.validation.suite_sections import CASES
+from armour.validation.tested import wilkins_tests
 from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
@@ -37,23 +31,13 @@ def check_table(checks: Sequence[Check], title: str = "") -> Table:
         (Column("case", prose=True), lambda check: check.case.name),
         (Column("unit"), lambda check: "" if shared else check.case.unit),
         (Column("expected", shared, ".10g"), lambda check: check.case.expected),
-        # Formatted here, because the number of decimals depends on the case.
-        (Column("computed", shared, "g"), lambda check: _in_decimals(check.case, check.computed)),
-        (Column("deviation", shared, "g"), lambda check: _in_decimals(check.case, check.deviation, "+")),
+        (Column("computed", shared, ".6g"), lambda check: check.computed),
+        (Column("deviation", shared, "+.4g"), lambda check: check.deviation),
         Column.of("deviation_percent", "+.2f", "relative deviation"),
         (Column("band ±", shared, ".4g"), lambda check: check.case.band),
         Column.of("status"),
         title=title,
     )
-
-
-def _in_decimals(case: Case, value: float | str | None, sign: str = "") -> str | None:
-    """Format a value with one decimal more than the expected value or the band of its case, whichever has more."""
-    if value is None:
-        return None
-    value_decimals = len(number(case.expected or 0.0, ".10g").partition(".")[2])
-    band_decimals = -floor(log10(case.band)) if case.band else 0
-    return number(value, f"{sign}.{min(max(value_decimals, band_decimals) + 1, 12)}f")
 
 
 def in_numbers(check: Check) -> str:
@@ -63,35 +47,20 @@ def in_numbers(check: Check) -> str:
     return ", ".join(f"{column.label} {text} {column.unit}".rstrip() for column, text in cells if text)
 
 
-def summary_table(result: SuiteResult) -> Table:
-    """Tabulate the mean, RMS and largest deviation of each table of a suite, except tables whose rows are in a file."""
-    file_tables = {check.case.group for check in result.checks if check.case.cells}
+def summary_table(summaries: Iterable[TableSummary], title: str) -> Table:
+    """Tabulate the mean, RMS and largest deviation of tables of a suite, or of the groups of the rows of one table."""
     return Table.of(
-        [summary for summary in result.summaries if summary.name not in file_tables],
-        Column.of("name", label="table", prose=True),
-        Column.of("count", "d", "rows"),
+        summaries,
+        (Column("tests", prose=True), lambda summary: summary.group or summary.name),
+        Column.of("count", "d", "number"),
         Column.of("unit"),
         Column.of("mean", "+.2f"),
+        Column.of("mean_magnitude", ".2f", "magnitude"),
         Column.of("rms", ".2f", "RMS"),
         Column.of("largest", ".2f"),
         Column.of("rms_band", "g", "RMS band"),
         Column.of("status"),
-        title="tables as a whole",
-    )
-
-
-def group_table(result: SuiteResult, name: str) -> Table:
-    """Tabulate the relative deviations of one table whose rows are in a file: of all rows, and of each group."""
-    return Table.of(
-        [summary for summary in result.summaries if summary.name == name],
-        (Column("tests", prose=True), lambda summary: summary.group or "all"),
-        Column.of("count", "d", "number"),
-        (Column("mean", "%", "+.1f"), lambda summary: summary.mean),
-        (Column("magnitude", "%", ".1f"), lambda summary: summary.mean_magnitude),
-        (Column("RMS", "%", ".1f"), lambda summary: summary.rms),
-        (Column("largest", "%", ".1f"), lambda summary: summary.largest),
-        (Column.of("status"), lambda summary: "" if summary.status == "not scored" else summary.status),
-        title=name,
+        title=title,
     )
 
 
@@ -136,27 +105,22 @@ def suite_tables(result: SuiteResult) -> list[Table]:
     A table whose rows are in a file shows its groups instead, and those rows that are outside their bands or have no
     answer.
     """
-    tables = []
-    for name, checks in check_groups(result).items():
-        in_file = bool(checks[0].case.cells)
-        tables += [group_table(result, name), *failed_table(name, checks)] if in_file else [check_table(checks, name)]
-    whole = summary_table(result)
-    return [*tables, *([whole] if whole.rows else [])]
+    groups, tables = check_groups(result), []
+    in_file = [name for name, checks in groups.items() if checks[0].case.cells]
+    for name, checks in groups.items():
+        if name in in_file:
+            tables.append(summary_table((each for each in result.summaries if each.name == name), name))
+            tables += failed_table(name, checks)
+        else:
+            tables.append(check_table(checks, name))
+    whole = [each for each in result.summaries if each.name not in in_file]
+    return [*tables, *[summary_table(whole, "tables as a whole")] * bool(whole)]
 
 
 def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
     """Return a table of the checks that are outside their bands or have no answer, if there are any."""
     failed = [check for check in checks if check.status in FAILED]
     return [check_table(failed, f"{name}: not within their bands")] if failed else []
-
-
-# Smaller deviations, in any unit, are shown as "below" this.
-SMALL_DEVIATION = 0.01
-
-
-def _magnitude(value: float, unit: str) -> str:
-    """Format the magnitude of a deviation with its unit."""
-    return f"below {SMALL_DEVIATION:g} {unit}" if 0.0 < value < SMALL_DEVIATION else f"{value:.3g} {unit}"
 
 
 def overview_table(result: SuiteResult) -> Table:
@@ -171,7 +135,7 @@ def overview_table(result: SuiteResult) -> Table:
             return title, within or "not scored", "", ""
         band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
         within = within or summary.status.replace("within", "as a whole")
-        return title, within, _magnitude(summary.rms, summary.unit), band
+        return title, within, f"{summary.rms:.3g} {summary.unit}", band
 
     rows = [row_of(name, checks) for name, checks in check_groups(result).items()]
     return Table.of_rows((Column("table", prose=True), *map(Column, ("within", "RMS", "at most"))), rows)
@@ -203,7 +167,7 @@ def update_table(updates: Sequence[Check]) -> Table:
 
 def parity_table(result: SuiteResult) -> Table:
     """Tabulate the expected and computed values of all cases of a suite."""
-    columns = [*map(Column.of, ("table", "row", "quantity")), *Column.of_each(expected="g", computed="g")]
+    columns = [*map(Column.of, ("table", "row", "quantity")), Column.of("expected", "g"), Column.of("computed", "g")]
     cases = ((check.case, check.computed) for check in result.checks)
     rows = [(case.group, case.name, case.quantity, case.expected, computed) for case, computed in cases]
     return Table.of_rows(columns, rows)
@@ -218,58 +182,17 @@ def drawn_checks(result: SuiteResult) -> list[Check]:
     return [check for check in checks if check.case.group] or checks
 
 
-# Fraction of the tests in which the limit by the model, lowered by the allowance, does not exceed the measured one.
-COVERED_PART = 0.95
-USABLE = (
-    "A result within its band need not be close to the tests. Lowered by the allowance, at least 95 % of the limits by "
-    "the model do not exceed the measured ones. A probability of stopping a shot already includes the model error."
-)
-
-
-def usable_table(result: SuiteResult) -> Table:
-    """Tabulate the relative errors of computed ballistic limits for each table of tests, and the allowance."""
-    groups = check_groups(result)
-
-    def is_measured(summary: TableSummary) -> bool:
-        case = groups[summary.name][0].case
-        of_limits = not summary.group and (summary.unit, case.quantity) == ("%", LIMIT)
-        return of_limits and summary.status != "not scored" and not case.regression and case.measured is None
-
-    return Table.of(
-        filter(is_measured, result.summaries),
-        Column.of("name", label="tests", prose=True),
-        Column.of("count", "d", "number"),
-        (Column("mean error", "%", "+.1f"), lambda summary: summary.mean),
-        (Column("RMS error", "%", ".1f"), lambda summary: summary.rms),
-        (Column("allowance", "%", ".0f"), lambda summary: allowance_percent(groups[summary.name])),
-    )
-
-
-def allowance_percent(checks: Sequence[Check]) -> float | None:
-    """Return by how much to lower limits, %, so that at least 95 % of them do not exceed the measured ones.
-
-    It is a whole number, rounded up; None if no limit was computed.
-    """
-    errors = sorted((check.deviation_percent for check in checks if check.deviation_percent is not None), reverse=True)
-    if not errors:
-        return None
-    error = errors[int((1.0 - COVERED_PART) * len(errors))]
-    return max(0.0, ceil(round(100.0 * error / (100.0 + error), 9)))
-
-
 def suite_report(result: SuiteResult, command: str = "") -> Report:
-    """Make the report on a suite: verdict, errors of the limits, picture, tables, and reasons for the bands.
+    """Make the report on a suite: verdict, overview, picture, tables, and reasons for the bands.
 
     If `command` is given, the last section shows it, with the versions of the programs.
     """
     sources = {name: _source_and_reason(checks) for name, checks in check_groups(result).items()}
     sections = []
-    if (usable := usable_table(result)).rows:
-        sections.append(ReportSection("Errors of the limits by the model", (USABLE,), tables=(usable,)))
     if drawn_checks(result):
         sections.append(ReportSection("Computed and expected values", pictures=(drawing_of(result),)))
     for table in suite_tables(result):
-        heading, source = table.title[:1].upper() + table.title[1:], sources.get(table.title, ())
+        heading, source = sentence(table.title).removesuffix("."), sources.get(table.title, ())
         sections.append(ReportSection(heading, source, tables=(table,), folded=True))
     single = [check for check in result.checks if check.status != "not scored" and not check.case.group]
     unscored = [check for check in result.checks if check.status == "not scored" and not check.in_group]
@@ -280,7 +203,8 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
         sections.append(origin_section(command))
     return Report(
         title=result.title or result.file,
-        lead=f"{in_a_line(result)[:1].upper()}{in_a_line(result)[1:]}.",
+        lead=f"{headline(result)}.",
+        facts=(overview_table(result),),
         text=result.description,
         byline=(("program version", f"armour {__version__}"),),
         sections=tuple(sections),
@@ -292,15 +216,7 @@ def _source_and_reason(checks: list[Check]) -> tuple[str, ...]:
     """Return the source of a table and the reason for its band in a sentence, taken from its first row."""
     case = checks[0].case
     text = "; ".join(filter(None, (case.source, case.reason and f"band: {case.reason}")))
-    return (f"{text[:1].upper()}{text[1:]}.",) if case.group and text else ()
-
-
-def _caveats(case: Case) -> list[str]:
-    """Return the caveats about the armour of a case that is not a row of a file."""
-    if case.cells:
-        return []
-    armours = armours_of(case.scenario)
-    return said_of(note for note, _ in limits_of_model(armours, [armours.materials[0].backing]))
+    return (sentence(text),) if case.group and text else ()
 
 
 def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[str, str]) -> bytes:
@@ -315,11 +231,7 @@ def suite_junit(result: SuiteResult, seconds: Sequence[float], origin: Mapping[s
         message = words if check.status == "outside" else check.message or check.case.not_scored
         if not check.in_group:
             group, kind = check.case.group or CASES, kinds.get(check.status, "")
-            cases.append(
-                TestCase(
-                    group, check.case.name, kind, message, took, result.file, output=[words, *_caveats(check.case)]
-                )
-            )
+            cases.append(TestCase(group, check.case.name, kind, message, took, result.file, output=[words]))
     for summary in result.summaries:
         if summary.status != "not scored":
             kind = kinds.get(summary.status, "")
@@ -335,51 +247,30 @@ def figure_table(panels: Sequence[Figure]) -> Table:
 
     Panels stand side by side; they must have equally many points.
     """
-    quantities = {quantity.label for quantity in QUANTITIES.values()}
     columns: dict[str, Sequence[float | None]] = {}
     for panel in panels:
-        y_label = panel.section.y_label
         columns[panel.section.x_label] = panel.x
         for label, values in panel.curves.items():
-            # The label of a curve may name its quantity, or what the curve differs in.
-            named = label.rpartition(", ")[2] in quantities
-            columns[f"{label}, {y_label.rpartition(', ')[2]}" if named else f"{label}: {y_label}"] = values
+            columns[f"{label}: {panel.section.y_label}"] = values
     headings = tuple(Column(label, spec="g", key=label) for label in columns)
     return Table(headings, tuple(zip(*columns.values(), strict=True)))
-
-
-def limits_by_formulas(result: Comparison, *, full: bool = True) -> list[tuple[str, float]]:
-    """Return the ballistic limits of an armour by simpler formulas, each with the name of the formula.
-
-    The `full` name says what mass and diameter the projectile of Florence's formula has.
-    """
-    name = florence_name if full else (lambda each: f"Florence, {each.projectile}")
-    florence = [(name(each), each.ballistic_limit_m_s) for each in result.florence]
-    power = {rule: f" ^ {rule.p:.3g}" if rule.p_fitted else "" for rule in result.rules}
-    rules = [(f"k times areal density{power[rule]}, fitted", rule.ballistic_limit_m_s) for rule in result.rules]
-    return [*florence, *rules]
 
 
 def comparison_table(result: Comparison) -> Table:
     """Tabulate the ballistic limits by the model and by formulas, with their errors on tests.
 
-    Only with `every_row` in the question is there a rule with a fitted exponent, and the errors of tests left out.
+    Only with `every_row` in the question are there errors of tests that are left out of the fit.
     """
-    every_row, first_rule = bool(result.question.get("every_row")), 1 + len(result.florence)
-    limits = [("the model", result.limit.ballistic_limit_m_s), *limits_by_formulas(result, full=every_row)]
-    rows = [(*limit, *_errors(error)) for limit, error in zip_longest(limits, result.errors)]
-    rules = rows[first_rule:] if every_row else rows[first_rule : first_rule + 1]
-    on_tests = f"mean error on {counted(result.errors[0].count, 'test')}" if result.errors else ""
-    labels = [on_tests, "largest", "each predicted from the others"][: 2 + every_row]
-    columns = Column("by", prose=True), Column("limit", "m/s", ".0f"), *map(Column, labels)
-    parts = 2 + len(labels)
-    return Table.of_rows(columns, [row[:parts] for row in (rows[0], *rules, *rows[1:first_rule])])
-
-
-def _errors(error: Error | None) -> tuple[Cell, ...]:
-    """Return the mean and the largest error of a method in words, and the mean over tests left out of its fit."""
-    errors = () if error is None else (error.mean_percent, error.largest_percent, error.left_out_percent)
-    return tuple(None if part is None else f"{part:.1f} %" for part in errors or [None] * 3)
+    model, count = result.predictions[0], len(wilkins_tests().limits)
+    labels = [f"mean error on {counted(count, 'test')}" if model.mean_percent is not None else "", "largest"]
+    labels += ["each predicted from the others"] * bool(result.question.get("every_row"))
+    keys = ("mean_percent", "largest_percent", "left_out_percent")
+    errors = [
+        (Column(label), lambda each, key=key: None if (part := getattr(each, key)) is None else f"{part:.1f} %")
+        for label, key in zip(labels, keys, strict=False)
+    ]
+    limit = Column("limit", "m/s", ".0f"), lambda each: each.ballistic_limit_m_s
+    return Table.of(result.predictions, (Column("by", prose=True), lambda each: each.method), limit, *errors)
 
 
 def measured_table(result: Comparison) -> Table:
@@ -389,12 +280,10 @@ def measured_table(result: Comparison) -> Table:
 
 
 def rule_note(result: Comparison) -> str:
-    """Return a note on the areal density rules: their factors and tests, or why there are none."""
-    if not result.rules:
-        return f"no errors, without tests of this round and these materials; there are {result.tests}"
-    factors = " and ".join(f"k = {rule.k:.2f} with p = {rule.p:.4g}" for rule in result.rules)
-    tests = f"{result.tests}, as was the model's flow stress"
-    return f"areal density rule: k A^p, {factors} (m/s, kg/m²), fitted to the {tests}"
+    """Return a note on the areal density rule: its factor and tests, or why there is none."""
+    if rule := next((each for each in result.predictions[1:] if each.fitted), None):
+        return f"{rule.fitted}: {result.tests}, as was the model's flow stress"
+    return f"no errors, without tests of this round and these materials; there are {result.tests}"
 
 
 @line_of.register
@@ -414,7 +303,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
     shown += [comparison_table(result), *said_of(result.limit.notes), *crossings(result.limit)]
     shown += [f"Florence's limit: none, without {missing}"] if missing else []
-    shown += [rule_note(result)] if every_row or not result.rules else []
+    shown += [rule_note(result)] if every_row or result.predictions[0].mean_percent is None else []
     if every_row:
         shown.append(Table.of_facts({"armour": armour_words(result.limit)}))
         shown += [measured_table(result)] if result.measured else []
