@@ -14,7 +14,6 @@ import json
 import os
 import random
 import re
-import resource
 import signal
 import sys
 import tempfile
@@ -324,7 +323,6 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "KEY=VALUE": Maker.assignment,
     "KEY=VALUES": Maker.values,
     "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
-    "--earlier": lambda maker: maker.table("e.csv", SHOTS.read_bytes()),
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
 }
 WORDS: dict[str, tuple[object, ...]] = {
@@ -333,7 +331,6 @@ WORDS: dict[str, tuple[object, ...]] = {
     "--where": ("panel=A", "panel=1", "remark=x", "x", *TEXTS),
     "--sheet": ("Sheet1", *TEXTS),
     "--from": ("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
-    "--threads": (1, 2),
     "--samples": (128, 256, 1024, "512"),
     "--only": ("fig09", "fig10", "x", "7.62"),
     "--fit": ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
@@ -361,7 +358,7 @@ FILES = {
 # How often an option is given that is not given in a fifth of the trials.
 OFTEN = {
     **{"--json": 0.5, "--set": 0.15, "--plot": 0.1, "--force": 0.1, "--list": 0.05, "--update": 0.1, "--against": 0.01},
-    **{"--only": 0.7, "--scheduler": 0.02, "--simulate": 0.05, "--over": 0.6},
+    **{"--only": 0.7, "--scheduler": 0.02, "--over": 0.6},
     **{"suite": 0.95, "table": 0.7, "--yes": 0.0},
 }
 # Scenarios of which a command mostly reads one.
@@ -376,9 +373,7 @@ COMMANDS: dict[str, list[Any]] = {}
 # Trials of a command of which some must end with exit code 0.
 FEW = 100
 # Numbers of trials relative to other commands: of some that take long on any input, or whose input is simple.
-WEIGHTS = dict.fromkeys(("calibrate", "report", "sensitivity", "uncertainty"), 0.5) | dict.fromkeys(
-    ("figures", "schema", "library"), 0.1
-)
+WEIGHTS = {"calibrate": 0.5, "report": 0.5, "sensitivity": 0.5, "uncertainty": 0.5, "figures": 0.1, "schema": 0.1}
 
 
 def trial(dice: Dice) -> Trial:
@@ -489,7 +484,6 @@ def main() -> int:
     """Run the trials and print what was wrong."""
     options = asked(__doc__, trials=20_000, seed=1)
     warm_up()
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     codes: defaultdict[str, Counter[int]] = defaultdict(Counter)
     kinds: Counter[str] = Counter()
     given: set[tuple[str, str]] = set()
