@@ -94,7 +94,7 @@ def answer() -> str:
     velocity = QUESTION.impact.velocity_m_s
     velocities = np.arange(600.0, 1201.0, 10.0)
     stopped = limit.model_error.probability_of_stopping(limit.ballistic_limit_m_s, velocities)
-    probability = 100 * design.probabilities_of_stopping[design.governing]
+    probability = 100 * design.check.threats[0].probability_of_stopping
     x, y = scale(600, 62, 0.61), scale(0, 320, -1.4)
     ceramic, plate = 4 * design.ceramic_thickness_mm, 4 * design.backing_thickness_mm
     parts = [

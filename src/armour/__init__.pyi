@@ -18,7 +18,6 @@ from .design.check import WhatIf as WhatIf
 from .design.check import check as check
 from .design.optimise import BestDesign as BestDesign
 from .design.optimise import Design as Design
-from .design.optimise import DesignOfFront as DesignOfFront
 from .design.optimise import DesignResult as DesignResult
 from .design.optimise import Pair as Pair
 from .design.optimise import optimise as optimise

@@ -66,9 +66,9 @@ class Note:
     key : str
         Dotted key that the warning is about; empty if it is about none.
     said : str
-        "caveat" if the answer itself contains the text, "far" if it says so in what the armour is far from the tests,
-        "too low" if the armour may stop more than the answer says, "not known" if it is the answer, "pairs" if the
-        table of pairs of materials contains it, "detail" if a reader need not know it first; else empty.
+        "caveat" if the answer itself contains the text, "too low" if the armour may stop more than the answer says,
+        "not known" if it is the answer, "pairs" if the table of pairs of materials contains it, "detail" if a reader
+        need not know it first; else empty.
     about : tuple
         Kind of a caveat, with the numbers or the name that it is about; empty for other warnings.
     """

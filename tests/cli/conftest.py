@@ -48,7 +48,7 @@ def described(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
     tests/reporting writes them whole.
     """
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr("armour.reporting.design_page.PAGE_NODES", ((0, 13),))
+        monkeypatch.setattr("armour.reporting.design_page.PAGE_NODES", (0,))
         monkeypatch.setattr("armour.reporting.pictures.drawing.saved", words_in)
         monkeypatch.setattr("armour.reporting.formats.inline_svg", lambda _, __, name: f'<svg id="{name}"></svg>')
         request.getfixturevalue("not_laid_out")

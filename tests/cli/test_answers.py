@@ -50,9 +50,16 @@ def test_warnings_in_json_are_those_printed(cli):
     result = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "--json")
     data = json.loads(result.stdout)
     assert result.stderr == ""
-    assert len(data["warnings"]) == 4
+    assert len(data["warnings"]) == 1
     whole = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "-v").stderr
     assert whole.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
+
+
+def test_a_confidence_is_designed_for(cli):
+    args = ("optimise", "panel")
+    best = json.loads(cli(*args, "--probability", 0.9, "--json").stdout)["best"]
+    assert 0.9 <= best["check"]["threats"][0]["probability_of_stopping"] < 0.91
+    assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
 
 
 def test_a_saved_design_is_checked_as_it_was_found(cli, folder: Path):
@@ -65,7 +72,7 @@ def test_a_saved_design_is_checked_as_it_was_found(cli, folder: Path):
     assert (folder / "best.toml").exists()
     checked = json.loads(cli("check", "best.toml", "--json").stdout)
     assert [each["probability_of_stopping"] for each in checked["threats"]] == [
-        pytest.approx(best["probabilities_of_stopping"]["slow"], abs=1e-6)
+        pytest.approx(best["check"]["threats"][0]["probability_of_stopping"], abs=1e-6)
     ]
     assert checked["verdict"] == "passes"
     assert checked["cost_per_m2"] == pytest.approx(best["cost_per_m2"])

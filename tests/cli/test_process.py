@@ -100,3 +100,19 @@ def test_every_encoding_has_characters_for_what_is_printed():
     special = "".join(character for character in {*sessions} if not character.isascii())
     for encoding in ("ascii", "cp437", "cp850", "cp932", "cp1252", "latin-1", "utf-16"):
         assert not {*"?\\"} & {*special.encode(encoding, "plain").decode(encoding)}, encoding
+
+
+def test_numbers_do_not_depend_on_the_threads_of_the_linear_algebra(cli, monkeypatch: pytest.MonkeyPatch):
+    plan = ("plan", "shots", "wilkins", "--json")
+    here = os.environ["OPENBLAS_NUM_THREADS"]
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2" if here == "1" else "1")
+    assert process("-m", "armour", *plan).stdout == cli(*plan).stdout != ""
+
+
+@pytest.mark.parametrize("time", ["", "abc", "99999999999999"])
+def test_a_wrong_time_in_the_environment(monkeypatch: pytest.MonkeyPatch, time: str):
+    """On which libraries that draw fail."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", time)
+    for words in ("simulate wilkins --plot a.svg", "report wilkins -o a.html"):
+        done = process("-m", "armour", *words.split())
+        assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr

@@ -5,8 +5,7 @@ from functools import cache
 from typing import Any
 
 from armour.design.check import CheckResult, check
-from armour.design.optimise import BestDesign, Design, DesignOfFront, DesignResult, Pair
-from armour.evidence.model_error import ModelError
+from armour.design.optimise import BestDesign, Design, DesignResult, Pair
 from tests.helpers.cases import scenario
 
 THREAT, OTHER = "7.62 mm AP at 800 m/s", "M2"
@@ -25,7 +24,7 @@ def checked(*threats: str) -> CheckResult:
 def design(ceramic: str, ceramic_mm: float, backing_mm: float, areal_density: float, cost: float = 0.0) -> Design:
     """A design on 6061-T6."""
     thickness = ceramic_mm + backing_mm
-    others = False, areal_density, thickness, ()
+    others = False, areal_density, thickness, 20.0, THREAT, ()
     return Design(ceramic, "6061-T6", ceramic_mm, backing_mm, areal_density, thickness, cost, *others)
 
 
@@ -41,23 +40,11 @@ def best_design(*args: Any, threats: tuple[str, ...] = (THREAT,), **changes: Any
     values: dict[str, Any] = {
         **vars(design(*args or ("AD85", 8.0, 6.0, 43.6))),
         "check": checked(*threats),
-        "ballistic_limit_m_s": 820.0,
         "ceramic_density_kg_m3": 3430.0,
         "backing_density_kg_m3": 2700.0,
-        "governing": threats[-1],
-        "probabilities": {},
-        "probabilities_of_stopping": {THREAT: 0.64, OTHER: None},
-        "model_error": ModelError(0.0, 7.0, 12.0, "13 tests"),
         "short_m_s": dict.fromkeys(threats, 0.0),
-        "exceeds": {},
-        "flow_stress": {},
-        "requirements": checked(*threats).all_requirements(),
     }
     return BestDesign(**{**values, **changes})
-
-
-def of_front(*args: Any) -> DesignOfFront:
-    return DesignOfFront(**vars(design(*args)), margin_m_s=None)
 
 
 def design_result(*, threats: tuple[str, ...] = (THREAT,), pareto: bool = False, ceramic: str = "AD85") -> DesignResult:
@@ -76,17 +63,15 @@ def design_result(*, threats: tuple[str, ...] = (THREAT,), pareto: bool = False,
         reason="",
         nearest=None,
         frontier=frontier,
-        frontier_governed_by=(threats[-1],) * 3,
         pairs=(Pair(ceramic, "6061-T6", found, None, 0.0, True, False), *(others if pareto else ())),
         criteria=("areal_density_kg_m2", "cost_per_m2") if pareto else (),
         pareto=(
-            of_front(ceramic, 8.0, 6.0, 43.6, 100.0),
-            replace(of_front("AD99.5", 7.5, 7.0, 48.0, 80.0), far_from_tests=("AD99.5 (no test)",)),
+            design(ceramic, 8.0, 6.0, 43.6, 100.0),
+            replace(design("AD99.5", 7.5, 7.0, 48.0, 80.0), far_from_tests=("AD99.5 (no test)",)),
         )
         if pareto
         else (),
         designs=100,
         runs=200,
-        not_monotonic_mm=(),
         notes=(),
     )

@@ -8,37 +8,19 @@ import pytest
 from armour.design import catalogue as module
 from armour.design.catalogue import catalogue_of
 from armour.design.check import check
-from armour.design.optimise import DesignResult, optimise
+from armour.design.optimise import optimise
 from armour.engine import batch
 from armour.errors import InputError
 from tests.design.results import best_of
 from tests.helpers.cases import CERAMICS, GIVEN, METALS, RANGE, THREATS, catalogue, offer, scenario
 from tests.helpers.known import known
-from tests.helpers.plain_designs import designs, posed, stops
+from tests.helpers.plain_designs import designs, stops
 
 GRID = {"ceramic_thickness_mm": {"min": 0.0, "max": 0.0, "step": 1.0}, "backing_thickness_mm": RANGE}
-UNCERTAIN = {
-    "samples": 1024,
-    "ceramic": {"flow_stress_GPa": {"distribution": "normal", "standard_deviation_percent": 4.0}},
-}
-# The same with the model taken as exact.
-
-
-def test_constraints_are_met_and_what_is_added_counts():
-    cover = {"thickness_mm": 0.5, "areal_density_kg_m2": 1.5, "cost_per_m2": 20.0, "name": "cover", "place": "front"}
-    limited = catalogue(thickness_max_mm=16.5, cost_max_per_m2=1500.0)
-    best = best_of(optimise(limited.replaced({"armour.layer": [cover]})))
-    stopping = [values for _, values in designs(catalogue(), stops)]
-    kept = [v for v in stopping if v["thickness_mm"] + 0.5 <= 16.5 and v["cost_per_m2"] + 20.0 <= 1500.0]
-    assert 0 < len(kept) < len(stopping)
-    lightest = min(kept, key=lambda values: values["areal_density_kg_m2"])
-    assert best.areal_density_kg_m2 == pytest.approx(lightest["areal_density_kg_m2"] + 1.5)
-    assert best.thickness_mm == pytest.approx(lightest["thickness_mm"] + 0.5)
-    assert best.cost_per_m2 == pytest.approx(lightest["cost_per_m2"] + 20.0)
 
 
 def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
-    """The lightest design is that of plain runs, and a free ceramic no thicker than needed."""
+    """The lightest design is that of plain runs."""
     law = {"flow_stress_backing_exponent": 0.4, "flow_stress_product_exponent": -0.2, "flow_stress_ceramic_slope": 0.1}
     threats = [THREATS[0], {"projectile": "14.5 mm B32", "velocity_m_s": 650.0}]
     tables = {"ceramic": {"Mine": {"based_on": "AD99.5", **law}}}
@@ -54,17 +36,6 @@ def test_a_law_of_the_flow_stress_against_penetrators_of_other_diameters():
     best = best_of(optimise(case))
     assert (best.ceramic, best.backing, best.ceramic_thickness_mm, best.backing_thickness_mm) == least
 
-    free = [{"material": "Mine", "thickness_mm": {"min": 6.0, "max": 20.0}}]
-    best = best_of(optimise(case.replaced({"design.ceramic": free})))
-    layers = case.design.ceramic[1], case.design.backing[0]
-
-    def holds(ceramic_mm: float) -> bool:
-        thick = ceramic_mm, best.backing_thickness_mm
-        return all(stops(posed(case, *layers, *thick, threat), threat.required_m_s) for threat in case.threat)
-
-    assert holds(best.ceramic_thickness_mm)
-    assert not holds(best.ceramic_thickness_mm - 0.01 - 2e-6)
-
 
 def test_what_costs_nothing():
     free = [
@@ -76,29 +47,30 @@ def test_what_costs_nothing():
     assert [(pair.ceramic, pair.excess_percent) for pair in result.pairs] == [("AD85", None), ("AD99.5", None)]
 
 
-@pytest.mark.parametrize("free", [{}, {"ceramic": [{"material": "AD99.5", "thickness_mm": {"min": 1.0, "max": 20.0}}]}])
-def test_a_pair_without_a_design_says_which_constraint_keeps_it_out(free: dict[str, Any]):
+def test_a_pair_without_a_design_says_which_constraint_keeps_it_out():
     masses = {
         (pair.ceramic, pair.backing): pair.best.areal_density_kg_m2
-        for pair in optimise(catalogue(**free)).pairs
+        for pair in optimise(catalogue()).pairs
         if pair.best is not None
     }
     most = min(masses.values())
-    held = optimise(catalogue(areal_density_max_kg_m2=most, thickness_max_mm=1000.0, **free)).pairs
+    held = optimise(catalogue(areal_density_max_kg_m2=most, thickness_max_mm=1000.0)).pairs
     for pair in held:
         assert (pair.best is None) == (pair.nearest is not None) == (masses[pair.ceramic, pair.backing] > most)
         if pair.nearest is not None:
             assert pair.nearest.check.verdict == "fails"
 
 
-def test_a_pair_of_which_no_free_thickness_stops_the_threats():
+def test_a_pair_of_which_no_thickness_stops_the_threats():
+    """A range without a step has steps of 0.1 mm."""
     metals = [{"material": "6061-T6", "thickness_mm": [10.0]}, {"material": "7075-T6", "thickness_mm": [0.5]}]
     ceramics = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0}}]
-    for constraint in ({}, {"areal_density_max_kg_m2": 500.0}):
-        result = optimise(catalogue(ceramic=ceramics, backing=metals, **constraint))
-        nearest = known(result.pairs[1].nearest)
-        assert (nearest.ceramic_thickness_mm, nearest.backing_thickness_mm) == (12.0, 0.5)
-        assert nearest.short_m_s["M2"] == pytest.approx(260.0, abs=0.5)
+    result = optimise(catalogue(ceramic=ceramics, backing=metals))
+    nearest = known(result.pairs[1].nearest)
+    assert (nearest.ceramic_thickness_mm, nearest.backing_thickness_mm) == (12.0, 0.5)
+    assert nearest.short_m_s["M2"] == pytest.approx(260.0, abs=0.5)
+    stepped = [{"material": "AD85", "thickness_mm": {"min": 1.0, "max": 12.0, "step": 0.1}}]
+    assert optimise(catalogue(ceramic=stepped, backing=metals)) == result
 
 
 def test_a_catalogue_of_bare_plates_needs_no_grid():
@@ -116,7 +88,9 @@ def test_a_limit_that_is_exceeded_claims_no_probability_that_is_unknown():
 
 
 def test_nothing_on_offer():
-    assert optimise(catalogue(thickness_max_mm=5.0)).shown.exceeds.keys() == {"thickness_max_mm"}
+    assert [row.quantity for row in optimise(catalogue(thickness_max_mm=5.0)).shown.check.requirements] == [
+        "thickness_mm"
+    ]
     fast = [{"projectile": "7.62 mm AP", "velocity_m_s": 2500.0}]
     for constraint in ({}, {"thickness_max_mm": 20.0}, {"probability_of_stopping": 0.9}):
         result = optimise(catalogue(fast, **constraint))
@@ -152,14 +126,6 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
         (
             lambda: catalogue([THREATS[1], THREATS[1]]),
             'threat[1].name: must be different for each threat, found "M2" twice',
-        ),
-        (
-            lambda: catalogue(
-                [{**THREATS[0], "probability_of_perforation": 0.05}],
-                UNCERTAIN,
-                ceramic=[{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 12.0}}],
-            ),
-            "design.ceramic[0].thickness_mm: must have a step if a probability is bounded and [uncertainty] has",
         ),
         (lambda: catalogue(ceramic=[{"material": "AD85x", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
         (
@@ -220,30 +186,3 @@ def test_every_design_says_in_what_it_is_far_from_the_tests_as_check_does():
         [threat] = check(design.scenario).threats
         assert threat.far_from_tests == design.far_from_tests
         assert (f"{design.ceramic} (no test)" in design.far_from_tests) == design.untested
-
-
-def test_ceramics_beside_a_tested_one_have_their_designs_and_those_that_fail_what_they_lack():
-    threats = [{"projectile": "7.62 mm AP", "velocity_m_s": 800.0}]
-    free: list[dict[str, Any]] = [
-        {"material": name, "thickness_mm": {"min": 4.0, "max": 9.0}} for name in ("AD85", "SiC")
-    ]
-    ceramics = [*free, {"material": "AD99.5", "thickness_mm": [2.0, 3.0]}]
-
-    def found(*offered: dict[str, Any], confidence: float | None = 0.6) -> DesignResult:
-        metals = [{"material": "6061-T6", "thickness_mm": [8.0]}]
-        return optimise(
-            scenario(
-                threat=threats, design={"ceramic": offered, "backing": metals, "probability_of_stopping": confidence}
-            )
-        )
-
-    first, second, third = found(*ceramics).pairs
-    assert first.best == best_of(found(ceramics[0]))
-    assert (second.ceramic, second.ranked) == ("SiC", False)
-    assert second.best is not None
-    assert second.best.flow_stress
-    by_limit = best_of(found(ceramics[1], confidence=None))
-    assert second.best.ceramic_thickness_mm == by_limit.ceramic_thickness_mm
-    assert third.best is None
-    assert known(third.nearest).ceramic_thickness_mm == 3.0
-    assert known(third.nearest).check.verdict == "fails"

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 from shutil import copytree
-from types import SimpleNamespace
 
 import pytest
 
@@ -10,25 +9,11 @@ import armour
 from armour.evidence import core_digest as digests
 from armour.evidence.core_digest import CORE_FOLDER, core_digest
 from armour.evidence.fit import shipped_data
-from tests.conftest import RENEW, pytest_terminal_summary
+from tests.conftest import RENEW
 
 
 def test_the_recorded_digest_is_that_of_the_core():
     assert core_digest() == shipped_data()["core"]["sha256"], RENEW
-
-
-@pytest.mark.parametrize(
-    ("outcomes", "digest", "told"),
-    [({"failed": [1]}, "of other equations", [RENEW]), ({}, "of other equations", []), ({"failed": [1]}, None, [])],
-)
-def test_tests_that_fail_after_a_change_of_the_core_end_with_what_to_do(
-    outcomes: dict[str, list[int]], digest: str | None, told: list[str], monkeypatch: pytest.MonkeyPatch
-):
-    if digest is not None:
-        monkeypatch.setattr(digests, "core_digest", lambda: digest)
-    shown = list[str]()
-    pytest_terminal_summary(SimpleNamespace(stats=outcomes, section=lambda text, **_: shown.append(text)))
-    assert shown == told
 
 
 @pytest.mark.parametrize(

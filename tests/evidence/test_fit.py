@@ -9,7 +9,6 @@ from armour.evidence import fit as module
 from armour.evidence.fit import (
     CHANCE,
     GROSS_ERROR,
-    LEAST_REST,
     LENGTH,
     REPEAT,
     SAFE,
@@ -133,12 +132,6 @@ def test_against_another_round_only_the_alloys_part_is_shared():
     assert wide[0] < FIT.predicted(other_round, {})[1][0] * 1.02
 
 
-def test_a_lot_is_not_taken_to_scatter_less_than_lots_do():
-    fit = fits()["cores_aluminium"]
-    assert fit.standard_deviations[2] < LEAST_REST
-    assert fit.variances_of_test() == (LEAST_REST**2, REPEAT**2)
-
-
 @pytest.mark.usefixtures("alike")
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_an_outcome_has_the_moments_of_the_truncated_distribution(side: float):
@@ -160,22 +153,6 @@ def test_shots_at_one_armour_are_of_one_limit():
     q = PLATES.at([0]).quantities
     for ours, theirs in zip(shots.predicted(q, {}), limit.predicted(q, {}), strict=True):
         assert ours == pytest.approx(theirs, abs=0.01)
-
-
-def test_outcomes_tell_the_same_in_any_order_and_contradictions_widen():
-    errors, sides = [-0.02, 0.0, 0.03, 0.06, 0.08], [-1.0, -1.0, -1.0, 1.0, 1.0]
-    q = PLATES.at([0] * 5).quantities
-    predictions = []
-    for order in ([0, 1, 2, 3, 4], [3, 4, 0, 1, 2], [4, 2, 0, 3, 1]):
-        ordered = lot([errors[i] for i in order], [sides[i] for i in order], [0] * 5)
-        updated = LOT.given(ordered._replace(quantities=q, uncertainties=np.full(5, 0.02)))
-        predictions.append(np.hstack([*updated.predicted(PLATES.at([0]).quantities, {})[:2], updated.weight]))
-    for prediction in predictions[1:]:
-        assert prediction == pytest.approx(predictions[0], rel=1e-4)
-    alike = lot([-0.2, -0.2])._replace(quantities=PLATES.at([0, 0]).quantities)
-    apart = alike._replace(errors=np.array([-0.5, 0.1]))
-    widths = [LOT.given(tests).predicted(q, {})[1][0] for tests in (alike, apart)]
-    assert widths[1] > 1.2 * widths[0]
 
 
 @pytest.mark.parametrize("count", [1, 2, 4])

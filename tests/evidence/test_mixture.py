@@ -3,7 +3,6 @@ import pytest
 from scipy import stats
 
 from armour.evidence.mixture import Mixture, probability_below, quantile
-from armour.evidence.model_error import MEAN_SCATTER_PERCENT, SCATTER_FACTOR, SCATTER_PERCENT
 
 WEIGHTS, LOCATIONS = np.array([0.5, 0.2, 0.3]), np.array([6.4, 6.6, 6.7])
 SCALES, FREEDOM = np.array([0.05, 0.1, 0.03]), np.array([5.0, 1e6, 12.0])
@@ -27,20 +26,6 @@ def test_quantiles_invert_the_probability():
         above = mixture.probability_above(mixture.quantile(PROBABILITIES))
         assert 1.0 - above == pytest.approx(PROBABILITIES, abs=1e-9)
     assert THREE.quantile([0.0, 1.0]) == pytest.approx([0.0, np.inf])
-
-
-def test_a_shot_is_stopped_below_a_limit_that_scatters():
-    """By quadrature over the prior of the scatter too, for which its mean stands."""
-    z = np.linspace(-6.0, 6.0, 241)
-    density = np.exp(-0.5 * z**2) / np.exp(-0.5 * z**2).sum()
-    velocities = 665.0 * np.exp(np.linspace(-0.2, 0.2, 41))
-    scatters = 0.01 * SCATTER_PERCENT * SCATTER_FACTOR**z
-    factors = np.exp(np.outer(scatters, z))
-    for freedom, scale in ((1e6, 0.05), (19.0, 0.04), (6.0, 0.05), (4.4, 0.035)):
-        mixture = ONE._replace(degrees_of_freedom=np.array([freedom]), scales=np.array([scale]))
-        exact = [density @ mixture.probability_above(velocity / factors) @ density for velocity in velocities]
-        shots = mixture.of_shots(0.01 * MEAN_SCATTER_PERCENT).probability_above(velocities)
-        assert np.abs(shots - np.array(exact)).max() < 0.007
 
 
 def test_with_normal_limits_the_scatter_is_exact():
@@ -128,10 +113,3 @@ def test_quantiles():
 def test_ends(many: bool):
     ends = quantile(np.array([5.0]), np.array([0.0, 1.0, np.nan]), many=many)
     np.testing.assert_array_equal(ends, [-np.inf, np.inf, np.nan])
-
-
-def test_one_and_many_are_alike():
-    values, freedom = np.linspace(-5.0, 5.0, 101), np.array(5.0)
-    chances = probability_below(freedom, values, many=True)
-    np.testing.assert_allclose(probability_below(freedom, values, many=False), chances, rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(quantile(freedom, chances, many=False), values, rtol=1e-10, atol=1e-12)

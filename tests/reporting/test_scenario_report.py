@@ -110,9 +110,10 @@ def test_the_box_says_that_a_probability_is_not_known_and_why():
 
 
 def test_warnings_name_inputs_in_words():
-    own = scenario(backing="Ti-6Al-4V", ceramic_mm=3.0)
+    light = {"metal": {"light": {"density_kg_m3": 1840.0, "static_yield_strength_MPa": 300.0}}}
+    own = scenario(backing="light", library=light)
     told = [warning.partition(": ")[0] for warning in scenario_report(own, "").warnings]
-    assert "plate flow stress, GPa" in told
+    assert "plate density, kg/m³" in told
     assert not any("." in key for key in told)
 
 

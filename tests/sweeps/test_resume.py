@@ -158,12 +158,12 @@ def test_forged_rows_are_refused(
 
 
 def test_warnings_that_were_removed_are_missed(tmp_path: Path):
-    thick = load_scenario("wilkins").replaced({"impact.velocity_m_s": 3000.0})
-    chunk = chunk_of(thick, GRID.rows(np.array([0, 1])), NAMES, 1)
+    fragment = load_scenario("wilkins").replaced({"impact.projectile": "20 mm FSP"})
+    chunk = chunk_of(fragment, GRID.rows(np.array([0, 1])), NAMES, 1)
     assert chunk.warnings
-    begun_by_a_stranger(tmp_path / "t.csv", thick, [chunk._replace(warnings={})])
+    begun_by_a_stranger(tmp_path / "t.csv", fragment, [chunk._replace(warnings={})])
     with pytest.raises(InputError, match=r"t\.csv\.parts: must have rows of this sweep, found too few warnings"):
-        write_sweep(thick, GRID, NAMES, tmp_path / "t.csv")
+        write_sweep(fragment, GRID, NAMES, tmp_path / "t.csv")
 
 
 def test_a_row_of_each_stored_chunk_is_computed_again_and_then_the_rest(

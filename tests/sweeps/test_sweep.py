@@ -57,7 +57,7 @@ def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
     grid = sweep_grid("armour.ceramic_thickness_mm=2:12:0.1", "impact.velocity_m_s=700:900:50")
     lines = (f"{c},{v}" for c, v in np.column_stack(list(grid.rows(np.arange(grid.count)).values())).tolist())
     cases = SweepCases(csv_file(tmp_path / "c.csv", ",".join(grid.keys), *lines))
-    case, whole = sweep_scenario(), list[str]()
+    case, whole = sweep_scenario().replaced({"impact.projectile": "20 mm FSP"}), list[str]()
     write_sweep(case, grid, ["outcome"], tmp_path / "whole.csv", tell=whole.append)
     assert whole
     left = 0

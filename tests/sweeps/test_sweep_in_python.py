@@ -108,12 +108,6 @@ def test_a_probability_without_the_error_of_the_model(output: str | None, tmp_pa
     assert "probability_of_stopping: has no value if uncertainty.model.included is false" in told
 
 
-def test_rows_outside_what_the_model_was_compared_with():
-    [warning] = sweep(scenario(), {BACKING: [6.0, 60.0]}, "areal_density_kg_m2").warnings
-    assert BACKING in warning
-    assert "1 of 2 rows" in warning
-
-
 @pytest.mark.parametrize(
     ("values", "found"),
     [

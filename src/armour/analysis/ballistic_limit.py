@@ -231,7 +231,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
     error = model_error(row, limit)
-    warnings = scenario_warnings(scenario, limit, "ballistic_limit", armours=row.armours, said=True)
+    warnings = scenario_warnings(scenario, row.armours, said=True)
     return LimitResult(
         ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
@@ -404,7 +404,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     """
     row, flow_stress = row_of(scenario), None
     result = confidence_in(row, on_progress)
-    warnings = scenario_warnings(scenario, scenario.impact.velocity_m_s, armours=row.armours, said=True)
+    warnings = scenario_warnings(scenario, row.armours, said=True)
     if result.probability_of_stopping is None:
         required = scenario.design.probability_of_stopping if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
@@ -412,9 +412,16 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     return result.of(scenario=scenario)
 
 
-def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`."""
-    limit, error, reason = limit_and_error(row, on_progress)
+def confidence_in(
+    row: Variants,
+    on_progress: OnProgress = ignore_progress,
+    known: tuple[float | None, ModelError | None, str] | None = None,
+) -> ConfidenceResult:
+    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`.
+
+    `known` is what `limit_and_error` returns for the row, if it was computed for another velocity.
+    """
+    limit, error, reason = known or limit_and_error(row, on_progress)
     probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason)

@@ -128,7 +128,7 @@ def evaluate_groups(
     }
     warnings: Counter[str] = Counter()
     for answer in answers:
-        warnings.update(dict(answer.variants.outside_limits(velocities="impact" in reads_of(quantities))))
+        warnings.update(dict(answer.variants.caveats()))
         warnings.update(answer.changes(quantities))
         if "uncertainty.model" in reads_of(computed) and answer.variants.scenario.unused_distributions():
             warnings[f"uncertainty: {EXACT_INPUTS}"] += len(answer.variants.velocities)
@@ -237,7 +237,7 @@ COMPUTED: dict[str, Callable[[QuantityValues], Any]] = {
     "areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2(),
     "whole_areal_density_kg_m2": lambda a: a.variants.areal_densities_kg_m2(whole=True),
     "ballistic_limit_m_s": lambda a: a.ballistic_limits,
-    "expected_limit_m_s": lambda a: a.shots.medians(),
+    "expected_limit_m_s": lambda a: a.shots.quantile(0.5),
     "probability_of_stopping": lambda a: np.minimum(
         a.shots.probability_above(a.variants.velocities), a.variants.errors.greatest
     ),

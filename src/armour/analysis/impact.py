@@ -200,7 +200,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         whole_areal_density_kg_m2=scenario.areal_density_kg_m2(whole=True),
         time_step_us=scenario.solver.time_step_us,
         stages=stage_records(trace, armour),
-        notes=scenario_warnings(scenario, velocity, said=True),
+        notes=scenario_warnings(scenario, said=True),
         history=history_of(trace, armour, spacing) if history else None,
     )
 

@@ -15,7 +15,7 @@ from armour.engine import batch
 from armour.errors import mistake
 from armour.evidence.mixture import Mixture
 from armour.evidence.model_error import LAW_FIELDS, ErrorRows, errors_of, why_unknown
-from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, limits_outside, materials_of
+from armour.evidence.tests import Armours, Materials, is_unusual, limits_of_model, materials_of
 from armour.scenario.inputs import OBLIQUITY, VELOCITY, YIELD, cosine_of, fields_of
 from armour.scenario.library import DEFAULTS, strength_notes
 from armour.scenario.scenario import Scenario
@@ -64,7 +64,7 @@ class Variants(_Rows):
         solver = self.scenario.solver
         return RunSettings(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps)
 
-    @property
+    @cached_property
     def errors(self) -> ErrorRows:
         """Model errors of the rows."""
         return errors_of(self.scenario, self.armours)
@@ -148,13 +148,8 @@ class Variants(_Rows):
             return "uncertainty.model excludes the model error"
         return why_unknown(self.scenario, self.armours)
 
-    def limit_distributions(self, limits: Floats) -> Mixture:
-        """Return the distributions of the ballistic limits of n armours, given those of the model, m/s, (n,)."""
-        errors = self.errors
-        return errors.ratio.times(self.limits_by_law(errors, limits))
-
     def shot_distributions(self, limits: Floats) -> Mixture:
-        """Return the distributions of the velocities below which n armours stop a shot; argument as above.
+        """Return the distributions of the velocities below which n armours stop a shot, given limits by the model, m/s.
 
         They give higher probabilities than those that are stated, `ErrorRows.greatest`.
         """
@@ -166,19 +161,13 @@ class Variants(_Rows):
 
         They are NaN where the model error is not known; `limits`, m/s, are those of the model.
         """
-        return self.shot_distributions(limits).medians()
+        return np.asarray(self.shot_distributions(limits).quantile(0.5))
 
-    def outside_limits(self, *, velocities: bool = True) -> Iterator[tuple[str, int]]:
-        """Yield warnings, each with its number of rows: caveats, values outside the tests, and doubtful strengths.
-
-        `velocities` tells whether impact velocities outside the tests count.
-        """
-        speeds = self.velocities if velocities else np.full_like(self.velocities, np.nan)
+    def caveats(self) -> Iterator[tuple[str, int]]:
+        """Yield the caveats about the rows and doubtful strengths of their metals, each with its number of rows."""
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
-        for note, rows in limits_of_model(self.armours, metals, said=False):
+        for note, rows in limits_of_model(self.armours, metals):
             yield str(note), int(np.count_nonzero(rows))
-        for limit in limits_outside(self.armours, speeds):
-            yield f"{limit.key}: {limit.words}", len(limit.rows)
         armour = batch.fields(self.parameters)
         for bare in (False, True):
             if count := int(np.count_nonzero((armour.Hc0 == 0.0) == bare)):
@@ -355,19 +344,11 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
         low[places[~is_met]] = values[~is_met]
 
 
-def least_values_mm(
-    stops: RowCondition,
-    is_unusual: RowCondition,
-    low: Floats,
-    high: Floats,
-    points: int = DENSE_SCAN_POINTS,
-    fails: RowCondition | None = None,
-) -> Thinnest:
+def least_values_mm(stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats) -> Thinnest:
     """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
 
     Bisection assumes that the outcome changes once at most.  Rows that are unusual, at the thickness found or by their
-    other quantities if none is found, are scanned at `points` thicknesses instead.  `fails` tells which thicknesses are
-    known to be perforated, by default all that do not stop the threat.
+    other quantities if none is found, are scanned at many thicknesses instead.
     """
     rows = np.arange(len(low))
     least = np.where(stops(low, rows), low, np.nan)
@@ -378,12 +359,10 @@ def least_values_mm(
     where = np.flatnonzero(is_unusual(least, np.arange(len(least))))
     for start in range(0, len(where), SCANS_AT_A_TIME):
         rows = where[start : start + SCANS_AT_A_TIME]
-        values = np.linspace(low[rows], high[rows], points, axis=1)
-        stopped = stops(values.ravel(), np.repeat(rows, points)).reshape(values.shape)
+        values = np.linspace(low[rows], high[rows], DENSE_SCAN_POINTS, axis=1)
+        stopped = stops(values.ravel(), np.repeat(rows, DENSE_SCAN_POINTS)).reshape(values.shape)
         first, numbers = stopped.argmax(axis=1), np.arange(len(rows))
         upper = bisect_rows(stops, rows, values[numbers, np.maximum(first - 1, 0)], values[numbers, first])
         least[rows] = np.where(stopped.any(axis=1), upper, np.nan)
-        row, place = np.nonzero(stopped[:, :-1] & ~stopped[:, 1:])
-        again = np.ones(len(row), dtype=bool) if fails is None else fails(values[row, place + 1], rows[row])
-        changes_again[rows[row[again]]] = True
+        changes_again[rows] = (stopped[:, :-1] & ~stopped[:, 1:]).any(axis=1)
     return Thinnest(least, changes_again)

@@ -10,6 +10,7 @@ from armour.cli.streams import open_streams
 def main() -> None:
     """Run the command line."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small: more threads would only start slowly
+    os.environ.pop("SOURCE_DATE_EPOCH", None)  # outputs have no date, but libraries fail on an empty or wrong one
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # or else unfinished files would stay
     open_streams()
     try:

@@ -15,7 +15,6 @@ from armour.cli.console import emit, progress, say, show, show_json
 from armour.cli.folders import scenario_paths
 from armour.cli.runner import CSV, PICTURE, Files, answer, check_outputs, read_scenario
 from armour.design.against import Moved, moved
-from armour.errors import counted, duration
 from armour.files import read_json, read_toml, shell_line, shipped_suites
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
@@ -44,8 +43,6 @@ def simulate(
     armour simulate wilkins
     armour simulate wilkins --velocity 700 --history run.csv --plot run.svg
     """
-    from armour.evidence.tests import scenario_warnings
-
     changes = runner.with_change(changes, VELOCITY, velocity)
     loaded = read_scenario(scenario, changes, ANSWERS["simulate"])
     check_outputs((history, CSV), (plot, PICTURE), inputs=[loaded], force=force)
@@ -53,9 +50,7 @@ def simulate(
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
-    limit = confidence.ballistic_limit_m_s
-    of_limit = () if limit is None else scenario_warnings(loaded, limit, "ballistic_limit", said=True)
-    notes = tuple(dict.fromkeys((*result.notes, *of_limit, *confidence.notes)))
+    notes = tuple(dict.fromkeys((*result.notes, *confidence.notes)))
     extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
     files: Files = {history: lambda _: rows_csv(result.history or ())}
@@ -274,7 +269,6 @@ def optimise(
     armour optimise panel --probability 0.95 --save best.toml
     armour optimise catalogue --plot study.svg --csv front.csv
     """
-    from armour.design.optimise import effort
     from armour.reporting.views.design import design_csv
 
     loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability, by_model=by_model)
@@ -282,9 +276,6 @@ def optimise(
     check_outputs(*outputs, inputs=[loaded], force=force)
     source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
-        designs, seconds = effort(loaded)
-        threats = counted(len(loaded.threats()), "threat")
-        runner.announce(seconds, f"{counted(designs, 'design')} against {threats}; about {duration(seconds)}")
         result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
     fails = result.reason == "none passes"
@@ -311,11 +302,12 @@ def _map(
 
     `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
     """
+    from armour.design.check import deciding
     from armour.reporting import design_page, words
     from armour.reporting.by_result import in_a_line
 
     command, needed = ["armour", "simulate", source], runner.accepted(changes, ANSWERS["simulate"].reads)
-    error = result.shown.model_error
+    error = deciding(result.shown.check).model_error
     own_tests = words.tested_here(error) if error else []  # which the page does not show
     return design_page.design_page(scenario, command, needed, on_progress, [in_a_line(result), *own_tests])
 

@@ -1,6 +1,6 @@
 """Catalogue of a scenario: pairs of materials with thicknesses and costs, threats and constraints."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -14,8 +14,8 @@ from armour.design.requirements import EVEN, SLACK_ROUNDING
 from armour.engine import batch
 from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
-from armour.evidence.tests import Materials, Tested, is_untested, lacks_sources, what_was_tested
-from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, OBLIQUITY, VELOCITY, cosine_of, fields_of
+from armour.evidence.tests import Far, Materials, is_untested, lacks_sources, what_was_tested
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
@@ -24,7 +24,6 @@ from armour.scenario.schema import (
     BackingLayer,
     CeramicLayer,
     DesignSection,
-    FreeRange,
     Range,
     Threat,
 )
@@ -37,8 +36,6 @@ COST_COLUMN = "cost_per_m2"
 LAYER_WORDS = {"ceramic": "ceramic", "backing": "back plate"}
 # Criterion that is not a column of the candidates.
 MARGIN_COLUMN = "margin_m_s"
-# Number of back plate thicknesses with which a search starts if both layers are free.
-FIRST_VALUES = 41
 # Decimals to which areal densities, thicknesses and costs are rounded, so that equal sums compare equal.
 SUM_DECIMALS = 9
 # Greatest numbers of pairs of materials, and of designs times threats, whose impacts take about a minute.
@@ -76,12 +73,6 @@ class CandidateDesigns(NamedTuple):
         return CandidateDesigns(pair[where], *(column[where] for column in numbers))
 
 
-def first_backings(backing: FreeRange) -> tuple[Floats, float]:
-    """Return the back plate thicknesses at which a search with both layers free starts, mm, and their distance, mm."""
-    values, width = np.linspace(backing.min, backing.max, FIRST_VALUES, retstep=True)
-    return values, float(width)
-
-
 @dataclass(frozen=True)
 class Catalogue:
     """The pairs of materials of a scenario, its threats and its section ``design``."""
@@ -98,25 +89,17 @@ class Catalogue:
     layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
     materials: tuple[Materials, ...]  # by pair
     projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
-    varying: frozenset[str]  # inputs that differ from design to design or from threat to threat
+
+    def materials_in(self, pair: int) -> dict[str, object]:
+        """Return the changes of the scenario, by key, that put a pair of materials into its armour."""
+        layers = zip(LAYER_WORDS, self.offers[pair][:2], strict=True)
+        return {NAMES[role]: layer.material for role, layer in layers if layer.material}
 
     def against(self, pair: int, threat: int) -> Scenario:
         """Return the scenario of a pair against a threat."""
-        ceramic, backing = self.offers[pair][:2]
-        changes: dict[str, object] = {
-            "threat": [],  # without the catalogue, the other changes are made more quickly
-            "design": None,
-            "armour.backing": backing.material,
-            **self.threats[threat].as_impact(),
-        }
-        if ceramic.material:
-            changes["armour.ceramic"] = ceramic.material
-        return self.scenario.replaced(changes)
-
-    @cached_property
-    def has_free_layer(self) -> bool:
-        """Whether any thickness is free, so that the least value that passes is searched for."""
-        return any(layer.free_range() for offer in self.offers for layer in offer[:2])
+        # Without the catalogue, the other changes are made more quickly.
+        alone = {"threat": [], "design": None, **self.threats[threat].as_impact()}
+        return self.scenario.replaced({**alone, **self.materials_in(pair)})
 
     @cached_property
     def exact_bounds(self) -> Floats:
@@ -196,29 +179,32 @@ class Catalogue:
             np.round(inert("cost_per_m2") + ceramic_cost + backing_cost, SUM_DECIMALS),
         )
 
-    @cached_property
-    def tested(self) -> dict[tuple[int, int, bool], Tested]:
-        """What was tested of armours like a design, as far as asked for: by pair, threat, and whether it has a tile."""
-        return {}
+    def every(self) -> CandidateDesigns:
+        """Return all designs: each pair of materials in all combinations of its thicknesses."""
+        pairs = enumerate(self.offers)
+        return CandidateDesigns.joined(
+            [self.combinations(pair, offer.ceramic.thicknesses(), offer.backing.thicknesses()) for pair, offer in pairs]
+        )
 
-    def far_from_tests(self, designs: CandidateDesigns) -> list[list[tuple[str, ...]]]:
+    def far_from_tests(self, designs: CandidateDesigns) -> list[list[tuple[Far, ...]]]:
         """Return for each design, by threat, in what it is far from the tests, see `evidence.tests.far_from_tests`."""
-        found = []
-        for place, (pair, *sizes_mm) in enumerate(zip(*(column.tolist() for column in designs[:3]), strict=True)):
-            keys = [(pair, threat, bool(sizes_mm[0])) for threat in range(len(self.threats))]
-            if not {*keys} <= {*self.tested}:
-                armours = self.against_each(designs.at(np.array([place]))).armours
-                for threat, key in enumerate(keys):
-                    self.tested[key] = what_was_tested(self.against(pair, threat), armours.at([threat]))
-            found.append([self.tested[key].far_of(self.materials[pair].ceramic, *sizes_mm) for key in keys])
-        return found
+        layers = [*zip(*(column.tolist() for column in designs[:3]), strict=True)]
+        tested = {}
+        for pair, has_tile in {(pair, tile_mm > 0.0) for pair, tile_mm, _ in layers}:
+            armours = self.against_each(self.candidates(pair, np.array([float(has_tile)]), np.ones(1))).armours
+            each_threat = enumerate(self.threats)
+            tested[pair, has_tile] = [what_was_tested(threat, armours.at([place])) for place, threat in each_threat]
+        return [
+            [of_threat.far_of(self.materials[pair].ceramic, *sizes_mm) for of_threat in tested[pair, sizes_mm[0] > 0.0]]
+            for pair, *sizes_mm in layers
+        ]
 
     def violations(self, candidates: CandidateDesigns) -> Floats:
-        """Return the largest relative constraint violation of each design: 0 for none, inf if a thickness is NaN."""
-        violations = np.where(np.isnan(candidates.thickness_mm), np.inf, 0.0)
+        """Return the largest relative constraint violation of each design, (n,); 0 for none."""
+        violations = np.zeros(len(candidates.pair))
         for name, words in OBJECTIVES.items():
             if (most := getattr(self.section, words.bound)) is not None:
-                violations = np.fmax(violations, getattr(candidates, name) / most - 1.0 - SLACK_ROUNDING)
+                violations = np.maximum(violations, getattr(candidates, name) / most - 1.0 - SLACK_ROUNDING)
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
@@ -231,7 +217,7 @@ class Catalogue:
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
             values = layer.thicknesses()
-            if isinstance(layer.thickness_mm, Range | FreeRange) and values[0] < values[-1]:
+            if isinstance(layer.thickness_mm, Range) and values[0] < values[-1]:
                 ranges.append((self._key(role, place), name, values[0], values[-1]))
         return ranges
 
@@ -271,7 +257,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     bounds = [*map(section.bound, threats)]
     required = np.array([bound is not None for bound in bounds])
     sampled = bool(required.any() and scenario.distributions())
-    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section, sampled=sampled)])
+    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section)])
 
     # A bare plate has no ceramic.
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
@@ -286,6 +272,7 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         ],
     }
     varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
+    refuse(_placed(scenario, {VELOCITY, CERAMIC, BACKING} | varying) if sampled else ())
     parameters = {role: np.array([_parameters(row) for row in rows]) for role, rows in inputs.items()}
     layers = (parameters["ceramic"][:, None] + parameters["backing"][None]).reshape(-1, len(Parameters._fields))
     for name, law in scenario.model.laws().items():
@@ -308,12 +295,22 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         layers=layers,
         materials=tuple(Materials(*pair) for pair in product(ceramics, metals)),
         projectiles=parameters["projectile"],
-        varying=frozenset({VELOCITY, CERAMIC, BACKING} | varying),
     )
 
 
-def _wrong_layers(scenario: Scenario, section: DesignSection, *, sampled: bool) -> Iterator[Problem]:
-    """Yield a problem for each layer that is listed twice, has no step but is sampled, or lacks a cost needed.
+def _placed(scenario: Scenario, varying: Collection[str]) -> Iterator[Problem]:
+    """Yield a problem for each distribution with a place of its own of an input that varies with design or threat."""
+    for name, distribution in scenario.distributions().items():
+        if distribution.placed and name in varying:
+            message = (
+                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "
+                'max, such as { distribution = "normal", standard_deviation_percent = 1.0 }'
+            )
+            yield Problem(scenario.file, f"uncertainty.{name}", message)
+
+
+def _wrong_layers(scenario: Scenario, section: DesignSection) -> Iterator[Problem]:
+    """Yield a problem for each layer that is listed twice or lacks a cost needed.
 
     A back plate that exists but is not the armour's own is a problem, too.
     """
@@ -326,9 +323,6 @@ def _wrong_layers(scenario: Scenario, section: DesignSection, *, sampled: bool) 
             if layer.material in [earlier.material for earlier in layers[:i]]:
                 message = f'must be listed once, with all its thicknesses, found "{layer.material}" twice'
                 yield Problem(file, f"{key}.material", message)
-            if sampled and layer.free_range():
-                message = "must have a step if a probability is bounded and [uncertainty] has distributions to sample"
-                yield Problem(file, f"{key}.thickness_mm", message)
             if costs and layer.material and role != section.existing and not layer.has_cost():
                 message = f'must have a cost if [design] asks for costs, found none for "{layer.material}"'
                 yield Problem(file, key, message)

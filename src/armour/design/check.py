@@ -8,14 +8,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import (
-    NeededFlowStress,
-    confidence_in,
-    limit_and_error,
-    needed_flow_stress,
-    probability_by_tests,
-    probability_of_stopping,
-)
+from armour.analysis.ballistic_limit import NeededFlowStress, confidence_in, needed_flow_stress, probability_by_tests
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.quantities import VERDICT
@@ -187,10 +180,6 @@ class CheckResult(TableResult):
     whole_thickness_mm: float = 0.0
     basis: dict[str, str] = field(default_factory=dict, hash=False)
 
-    def all_requirements(self) -> tuple[Requirement, ...]:
-        """Return the requirements against each threat, and then those whatever the threat."""
-        return (*(row for threat in self.threats for row in threat.requirements), *self.requirements)
-
     def _columns(self) -> dict[str, list[object]]:
         """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
         rows: list[dict[str, object]] = []
@@ -236,6 +225,11 @@ def _row(result: CheckResult) -> dict[str, object]:
     }
     labels: dict[str, str] = result.question.get("labels", {})
     return {**{name + " (offer)" * (name in row): label for name, label in labels.items()}, **row}
+
+
+def shown_limit(by_model_m_s: float | None, expected_m_s: float | None) -> float | None:
+    """Return the limit that answers show: the expected one or, where no tests tell, that by the model, m/s."""
+    return by_model_m_s if expected_m_s is None else expected_m_s
 
 
 def _rank(threat: CheckedThreat) -> tuple[int, float]:
@@ -425,18 +419,15 @@ def _checked(
     verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
-        changed, changed_limit, changed_error = against.replaced(values), limit, error
-        if VELOCITY not in values:  # the limit does not depend on the velocity
-            changed_limit, changed_error, _ = limit_and_error(row_of(changed), on_progress)
-        interval = expected = None
-        if changed_limit is not None and changed_error is not None:
-            interval, expected = changed_error.interval(changed_limit), changed_error.median(changed_limit)
-        chance = probability_of_stopping(changed, changed_limit, changed_error)
-        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, changed_limit, expected, interval, chance))
+        changed = against.replaced(values)
+        known = (limit, error, result.reason) if VELOCITY in values else None  # the limit does not depend on it
+        found = confidence_in(row_of(changed), on_progress, known)
+        limits = found.ballistic_limit_m_s, found.expected_limit_m_s, found.interval_m_s
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, found.probability_of_stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
     if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
-    shown = limit if expected_limit is None else expected_limit
+    shown = shown_limit(limit, expected_limit)
     if needed and probability is None:
         flow_stress = needed_flow_stress(against, threat.required_m_s, required)
     return CheckedThreat(
@@ -460,7 +451,7 @@ def _checked(
         what_ifs=tuple(what_ifs),
         requirements=requirements,
         sampled=sampled and sampled.at_least(1.0 - greatest),
-        far_from_tests=far_from_tests(against, row.armours),
+        far_from_tests=tuple(map(str, far_from_tests(against, row.armours))),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )

@@ -3,20 +3,17 @@
 Verdicts, ballistic limits and sampled probabilities are computed only for the designs that a query needs.
 """
 
-from bisect import bisect_left
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.estimates import Estimate
 from armour.analysis.results import OnProgress, ignore_progress, portions
-from armour.analysis.samples import is_sampled, points_of, probability_of_perforation, section_of
+from armour.analysis.samples import is_sampled, points_of, probability_of_perforation
 from armour.analysis.variants import Bools, Floats, Ints, Variants
-from armour.design.catalogue import CandidateDesigns, Catalogue, first_backings
-from armour.design.requirements import EVEN, verdict_of, verdict_of_samples
-from armour.errors import Problem, refuse
+from armour.design.catalogue import Catalogue
+from armour.design.requirements import EVEN, Verdict, verdict_of, verdict_of_samples
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.schema import FASTEST_M_S, Uncertainty
 
@@ -134,83 +131,38 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
 
 
 def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> tuple[Floats, Floats]:
-    """Return the slack of rows, m/s, given their limits by the model, and their expected limits, m/s, NaN for none.
+    """Return the slack of rows and the limits that are shown, m/s, given their limits by the model.
 
     The slack is negative if the rows do not meet what is required.  It is the difference of limit by the model and the
     one required or, where the model error is known, the smaller of two: velocity stopped with the required probability
-    minus velocity of the threat, and expected limit minus the one required.
+    minus velocity of the threat, and expected limit minus the one required.  The limits shown are the expected ones or,
+    where the model error is not known, those by the model.
     """
-    required, expected = required_of(catalogue, rows), rows.expected_limits(limits)
+    required, distributions = required_of(catalogue, rows), rows.shot_distributions(limits)
+    expected = distributions.quantile(0.5)
     slack = np.where(required.limits_m_s > 0.0, limits - required.limits_m_s, np.inf)
     slack = np.where(required.expected_m_s > 0.0, expected - required.expected_m_s, slack)
-    bounded = np.flatnonzero(required.bounds < 1.0)
-    if len(bounded):
-        distributions = rows.at(bounded).shot_distributions(limits[bounded])
-        slack_by_error = distributions.quantile(required.bounds[bounded]) - rows.velocities[bounded]
-        slack[bounded] = np.minimum(slack[bounded], slack_by_error)
-    return slack, expected
+    if (required.bounds < 1.0).any():
+        slack = np.fmin(slack, distributions.quantile(required.bounds) - rows.velocities)
+    return slack, np.where(np.isnan(expected), limits, expected)
 
 
-def measured(catalogue: Catalogue, rows: Variants, runs: Runs) -> tuple[Floats, Floats, Floats]:
-    """Return the lowest limits by the model of designs against each threat, those shown, and the slack, m/s.
+def measured(catalogue: Catalogue, rows: Variants, runs: Runs, *, lowest: bool = True) -> tuple[Floats, Floats, Floats]:
+    """Return the limits by the model of designs against each threat, those shown, and the slack, m/s.
 
-    Each is (designs, threats).  The limits shown are the expected ones or, where the model error is not known, those by
-    the model.
-
-    The search extends beyond the range of the section ``ballistic_limit``.  If a limit is high enough, a denser scan
-    looks for a lower one.
+    Each is (designs, threats).  The search extends beyond the range of the section ``ballistic_limit``.  If a limit is
+    high enough, a denser scan looks for a lower one, unless `lowest` is False.
     """
-    shape = -1, len(catalogue.threats)
     limits = rows.limits_anywhere(runs)
-    slack, expected = slack_m_s(catalogue, rows, limits)
+    slack, shown = slack_m_s(catalogue, rows, limits)
     high = np.flatnonzero(slack >= 0.0)
-    lowest = rows.at(high).lowest_limits(limits[high], runs)
-    if (lowest < limits[high]).any():
-        limits[high] = lowest
-        slack, expected = slack_m_s(catalogue, rows, limits)
-    shown = np.where(np.isnan(expected), limits, expected)
+    if lowest and len(high):
+        found = rows.at(high).lowest_limits(limits[high], runs)
+        if (found < limits[high]).any():
+            limits[high] = found
+            slack, shown = slack_m_s(catalogue, rows, limits)
+    shape = -1, len(catalogue.threats)
     return limits.reshape(shape), shown.reshape(shape), slack.reshape(shape)
-
-
-class Reliability:
-    """Estimates the probabilities of perforation of designs of a catalogue, all at the same samples of the inputs."""
-
-    def __init__(self, catalogue: Catalogue, on_progress: OnProgress = ignore_progress) -> None:
-        self.catalogue, self.on_progress = catalogue, on_progress
-        # Many designs have the same materials, and making a scenario is slow.
-        self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
-        _check(catalogue, section_of(self.against(0, 0)))
-        self.points = points_of(catalogue.scenario.uncertainty or Uncertainty())
-
-    def probabilities(self, candidates: CandidateDesigns, place: int, *, quick: bool) -> dict[str, Estimate]:
-        """Estimate the probability of perforation of a design, by title of each threat that sets a bound on it.
-
-        Threats for which the probability is not known are left out; `quick` as in `probability_of_perforation`.
-        """
-        thicknesses = {CERAMIC: float(candidates.ceramic_mm[place]), BACKING: float(candidates.backing_mm[place])}
-        estimates = {}
-        for threat in np.flatnonzero(self.catalogue.required).tolist():
-            scenario = self.against(int(candidates.pair[place]), threat)
-            layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
-            if is_sampled(scenario, layers):
-                estimates[self.catalogue.titles[threat]] = probability_of_perforation(
-                    scenario, float(self.catalogue.bounds[threat]), layers, self.points, self.on_progress, quick=quick
-                )
-        return estimates
-
-
-def _check(catalogue: Catalogue, section: Uncertainty) -> None:
-    """Check that the distributions apply to every design, material and threat."""
-    file = catalogue.scenario.file
-    problems = []
-    for name, distribution in section.inputs().items():
-        if distribution.placed and name in catalogue.varying:
-            message = (
-                "must be centred on the value of each design or threat: normal or lognormal, without mean, min and "
-                'max, such as { distribution = "normal", standard_deviation_percent = 1.0 }'
-            )
-            problems.append(Problem(file, f"uncertainty.{name}", message))
-    refuse(problems)
 
 
 class Designs:
@@ -219,39 +171,31 @@ class Designs:
     Attributes
     ----------
     columns : CandidateDesigns
-    within, offered : array of int
-        Places of the designs within the limits of the section ``design``, and of those of them on back plates that may
-        be a metal.
+    offered : array of int
+        Places of the designs within the limits of the section ``design``, on back plates that may be a metal.
     unsourced : array of bool
         Whether the ceramic of each design has neither tests nor two sources of its flow stress; such a design is never
         the best.
     """
 
-    def __init__(
-        self, catalogue: Catalogue, columns: CandidateDesigns, runs: Runs, reliability: Reliability | None = None
-    ) -> None:
-        columns = columns.at(~np.isnan(columns.thickness_mm))  # a free thickness is NaN if no value passes
+    def __init__(self, catalogue: Catalogue, runs: Runs) -> None:
+        columns = catalogue.every()
         self.columns = columns.at(catalogue.objective(columns).argsort(kind="stable"))
-        self.catalogue, self.runs, self.reliability = catalogue, runs, reliability
+        self.catalogue, self.runs = catalogue, runs
+        # Many designs have the same materials, and making a scenario is slow.
+        self.against = lru_cache(MOST_SCENARIOS)(catalogue.against)
         self.values = catalogue.objective(self.columns)
-        self.within = np.flatnonzero(catalogue.violations(self.columns) <= 0.0)
-        self.offered = self.within[catalogue.metal[self.columns.pair[self.within]]]
+        is_within = catalogue.violations(self.columns) <= 0.0
+        self.offered = np.flatnonzero(is_within & catalogue.metal[self.columns.pair])
         self.unsourced = catalogue.lacks_sources[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
-        self._limits, self._shown_limits, self._slack = np.full((3, count, len(catalogue.threats)), np.nan)
+        self._measured = np.full((3, count, len(catalogue.threats)), np.nan)
         self._sampled: dict[int, int] = {}
-        self._shown: dict[int, Variants] = {}
 
     def rows(self, where: Ints) -> Variants:
         """Return the rows of designs against each threat, (designs * threats,)."""
         return self.catalogue.against_each(self.columns.at(where))
-
-    def rows_of(self, place: int) -> Variants:
-        """Return the rows of a single design against each threat, (threats,), and keep them."""
-        if place not in self._shown:
-            self._shown[place] = self.rows(np.array([place]))
-        return self._shown[place]
 
     def verdicts(self, where: Ints) -> Ints:
         """Return the verdicts on designs by impacts alone; the lowest limits, and samples, may give worse ones."""
@@ -267,38 +211,31 @@ class Designs:
         self.verdicts(where)
         return self._known[where]
 
-    def measure(self, where: Ints) -> None:
-        """Compute and keep the ballistic limits and slack of those designs for which they are not known yet."""
-        missing = where[np.isnan(self._limits[where, 0])]
+    def measured(self, where: Ints) -> Floats:
+        """Return limits by the model, limits shown and slack of designs, see the function `measured`; they are kept.
+
+        The shape is (3, designs, threats).
+        """
+        missing = where[np.isnan(self._measured[0, where, 0])]
         for part in portions(len(missing), max(LIMITS_AT_A_TIME // len(self.catalogue.threats), 1)):
             places = missing[part]
-            found = measured(self.catalogue, self.rows(places), self.runs)
-            self._limits[places], self._shown_limits[places], self._slack[places] = found
-
-    def limits_m_s(self, where: Ints) -> Floats:
-        """Return the lowest limits by the model of designs against each threat, m/s, (designs, threats)."""
-        self.measure(where)
-        return self._limits[where]
+            self._measured[:, places] = measured(self.catalogue, self.rows(places), self.runs)
+        return self._measured[:, where]
 
     def slack_m_s(self, where: Ints) -> Floats:
         """Return the slack of designs against each threat, see the function `slack_m_s`, m/s, (designs, threats)."""
-        self.measure(where)
-        return self._slack[where]
+        return self.measured(where)[2]
 
     def margins_m_s(self, where: Ints) -> Floats:
-        """Return the limits shown, see `measured`, minus the velocities of the threats, m/s, (designs, threats)."""
-        self.measure(where)
-        return self._shown_limits[where] - self.catalogue.velocities_m_s
+        """Return the limits shown minus the velocities of the threats, m/s, (designs, threats)."""
+        return self.measured(where)[1] - self.catalogue.velocities_m_s
 
     def quick_margins_m_s(self, where: Ints) -> Floats:
         """Return the margins, m/s, (designs, threats), by the usual scan, which may miss lower limits."""
         margins = np.empty((len(where), len(self.catalogue.threats)))
         for part in portions(len(where), max(LIMITS_AT_A_TIME // margins.shape[1], 1)):
-            rows = self.rows(where[part])
-            limits = rows.limits_anywhere(self.runs)
-            expected = rows.expected_limits(limits)
-            shown = np.where(np.isnan(expected), limits, expected)
-            margins[part] = (shown - rows.velocities).reshape(-1, margins.shape[1])
+            shown = measured(self.catalogue, self.rows(where[part]), self.runs, lowest=False)[1]
+            margins[part] = shown - self.catalogue.velocities_m_s
         return margins
 
     def passes(self, where: Ints, least: int = PASSES) -> Bools:
@@ -307,28 +244,40 @@ class Designs:
         passed[passed] = (self.slack_m_s(where[passed]) >= 0.0).all(axis=1)
         return passed
 
+    @cached_property
+    def points(self) -> Floats:
+        """Points at which uncertain inputs are sampled, the same for all designs."""
+        return points_of(self.catalogue.scenario.uncertainty or Uncertainty())
+
     def sampled(self, place: int) -> int:
         """Return the verdict on a design by its sampled probabilities of perforation; passes if none are sampled."""
-        if self.reliability is None:
-            return PASSES
-        if place not in self._sampled:
-            estimates = self.reliability.probabilities(self.columns, place, quick=True)
-            bounds = dict(zip(self.catalogue.titles, self.catalogue.bounds.tolist(), strict=True))
-            verdict = verdict_of(verdict_of_samples(value, bounds[threat]) for threat, value in estimates.items())
+        if self.catalogue.sampled and place not in self._sampled:
+            verdict = verdict_of(map(partial(self._sampled_against, place), np.flatnonzero(self.catalogue.required)))
             self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN}.get(verdict, PASSES)
-        return self._sampled[place]
+        return self._sampled.get(place, PASSES)
 
-    def first(self, where: Ints, least: int = PASSES, *, by_samples: bool = True) -> int | None:
+    def _sampled_against(self, place: int, threat: int) -> Verdict:
+        """Return the verdict on a design by samples against a threat; it passes if no probability is known."""
+        scenario = self.against(int(self.columns.pair[place]), int(threat))
+        thicknesses = {CERAMIC: float(self.columns.ceramic_mm[place]), BACKING: float(self.columns.backing_mm[place])}
+        layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
+        if not is_sampled(scenario, layers):
+            return "passes"
+        bound = float(self.catalogue.bounds[threat])
+        found = probability_of_perforation(scenario, bound, layers, self.points, self.runs.on_progress, quick=True)
+        return verdict_of_samples(found, bound)
+
+    def first(self, where: Ints, least: int = PASSES) -> int | None:
         """Return the first of some designs with at least the verdict `least`; None if there is none.
 
-        The lowest limits count and, unless `by_samples` is False, so do the sampled probabilities.
+        The lowest limits count, and so do the sampled probabilities.
         """
         remaining = where[self.verdicts(where) >= least]
         size = 1
         while len(remaining):
             batch, remaining, size = remaining[:size], remaining[size:], min(2 * size, FIRST_AT_A_TIME)
             for place in batch[self.passes(batch, least)].tolist():
-                if not by_samples or self.sampled(place) >= least:
+                if self.sampled(place) >= least:
                     return int(place)
         return None
 
@@ -343,48 +292,31 @@ class Designs:
     def frontier_backings(self, best: int) -> Floats:
         """Return the back plate thicknesses for the frontier of the pair of the design at place `best`, mm.
 
-        If both layers are free, the search starts with these thicknesses; otherwise they are all that the pair has.  Of
-        very many, only every second, third, and so on is taken.  The thickness of the best design is always included.
+        They are all that the pair has; of very many, only every second, third, and so on is taken.  That of the best
+        design is always included.
         """
-        pair = int(self.columns.pair[best])
-        ceramic, backing = (layer.free_range() for layer in self.catalogue.offers[pair][:2])
-        backings = np.unique(self.columns.backing_mm[self.of_pair(pair)])
-        if ceramic is not None and backing is not None:
-            backings = first_backings(backing)[0]
+        backings = np.unique(self.columns.backing_mm[self.of_pair(int(self.columns.pair[best]))])
         return np.append(backings[:: -(-len(backings) // MOST_BACKINGS)], self.columns.backing_mm[best])
 
     def frontier(self, best: int, least: int) -> Ints:
-        """Return for each back plate of `frontier_backings` the thinnest ceramic with at least the verdict `least`.
+        """Return for each of `frontier_backings` the design with the thinnest ceramic and at least the verdict `least`.
 
-        If probabilities are sampled, bisection finds the thinnest ceramic that also passes by samples, assuming that
-        every thicker ceramic passes, too.
+        Bounds on sampled probabilities are included.
         """
         ceramics, backings = self.columns.ceramic_mm, self.columns.backing_mm
-        stopping = self.of_pair(int(self.columns.pair[best]))
-        stopping = stopping[np.isin(backings[stopping], self.frontier_backings(best))]
-        stopping = stopping[self.verdicts(stopping) >= least]
-        stopping = stopping[np.lexsort((ceramics[stopping], backings[stopping]))]
-        remaining, frontier = stopping, stopping[:0]
+        remaining = self.of_pair(int(self.columns.pair[best]))
+        remaining = remaining[np.isin(backings[remaining], self.frontier_backings(best))]
+        remaining = remaining[self.verdicts(remaining) >= least]
+        remaining = remaining[np.lexsort((ceramics[remaining], backings[remaining]))]
+        frontier = remaining[:0]
         while len(remaining):
             _, first = np.unique(backings[remaining], return_index=True)
             thinnest = remaining[first]
-            frontier = np.concatenate([frontier, thinnest[self.passes(thinnest, least)]])
+            passing = [place for place in thinnest[self.passes(thinnest, least)] if self.sampled(place) >= least]
+            frontier = np.append(frontier, np.array(passing, dtype=np.int64))
             remaining = np.delete(remaining, first)
             remaining = remaining[~np.isin(backings[remaining], backings[frontier])]
-        frontier = frontier[np.argsort(backings[frontier])]
-        if self.reliability is None:
-            return frontier
-
-        def passes(place: int) -> bool:
-            return self.first(np.array([place]), least) is not None
-
-        within_bounds = []
-        for place in frontier.tolist():
-            thicker = (backings[stopping] == backings[place]) & (ceramics[stopping] >= ceramics[place])
-            column = stopping[thicker].tolist()
-            index = column.index(best) if best in column else bisect_left(column, True, key=passes)
-            within_bounds += column[index : index + 1]
-        return np.array(within_bounds, dtype=np.int64)
+        return frontier[np.argsort(backings[frontier])]
 
     def changing(self) -> Iterator[tuple[int, str, float]]:
         """Yield each case of a thicker layer that is perforated at a velocity that a thinner one stops.
@@ -400,19 +332,7 @@ class Designs:
             changes &= (verdicts[thin] > FAILS) & (verdicts[thick] == FAILS)
             thin, thick = thin[changes], thick[changes]
             # Where it is known, the model error may be greater for the thicker one.
-            limits = [self.limits_m_s(self.offered[places]) for places in (thick, thin)]
+            limits = [self.measured(self.offered[places])[0] for places in (thick, thin)]
             thin = thin[np.less(*limits).any(axis=1) | ~self.known(self.offered[thick])]
             for place in thin:
                 yield int(pairs[place]), name, float(other_layer[place])
-
-    def not_monotonic_mm(self, frontier: Ints) -> tuple[float, ...]:
-        """Return the back plate thicknesses of a frontier at which a thicker ceramic is known not to pass, mm."""
-        ceramics, backings = self.columns.ceramic_mm, self.columns.backing_mm
-        designs = self.of_pair(int(self.columns.pair[frontier[0]]))
-        designs = designs[np.isin(backings[designs], backings[frontier])]
-        designs = designs[self.known(designs) == self.known(frontier[:1])]
-        failing = designs[(self.verdicts(designs) == FAILS) | (self._slack[designs] < 0.0).any(axis=1)]
-        # The frontier is in the order of its back plates.
-        thickest = np.zeros(len(frontier))
-        np.maximum.at(thickest, np.searchsorted(backings[frontier], backings[failing]), ceramics[failing])
-        return tuple(backings[frontier][thickest > ceramics[frontier]].tolist())

@@ -57,12 +57,8 @@ def design_map(
     limits = rows.limits_anywhere(on_progress)
     # The velocity of shots that are stopped with a probability p is the quantile at 1 - p.
     tails = 1.0 - np.array(probabilities)
-    distributions = rows.shot_distributions(limits)
-    with_error = np.flatnonzero(~np.isnan(distributions.weights).any(axis=0))
-    stopped = np.full((limits.size, len(tails)), np.nan)
-    stopped[with_error] = distributions.mapped(lambda array: array[:, with_error]).quantile(tails[None])
+    by_tests = rows.shot_distributions(limits).quantile(tails[None]).reshape(*shape, len(tails))
     greatest = rows.errors.greatest.reshape(shape)
-    by_tests = stopped.reshape(*shape, len(tails))
     return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_tests, greatest)
 
 

@@ -96,22 +96,16 @@ def against_threat(
     ceramic : LibraryEntry or None
     standing : Standing
     """
-    unsound = [
-        Requirement(quantity, threat.title, required, found, "not known")
-        for quantity, is_unsound, required, found in (
-            ("backing_density_kg_m3", is_no_metal(armour.rho_B), LEAST_METAL_KG_M3, armour.rho_B),
-            ("interlayers", bool(scenario.interlayers), 0.0, scenario.interlayers),
-            (
-                "flow_stress_sources",
-                ceramic is not None and bool(armour.Hc0) and lacks_sources(ceramic),
-                LEAST_SOURCES,
-                0 if ceramic is None else ceramic.sources,
-            ),
-        )
-        if is_unsound
-    ]
+    unsound = list[tuple[str, float, float]]()
+    if is_no_metal(armour.rho_B):
+        unsound.append(("backing_density_kg_m3", LEAST_METAL_KG_M3, armour.rho_B))
+    if scenario.interlayers:
+        unsound.append(("interlayers", 0.0, scenario.interlayers))
+    if ceramic is not None and armour.Hc0 and lacks_sources(ceramic):
+        unsound.append(("flow_stress_sources", LEAST_SOURCES, ceramic.sources))
     if unsound:
-        return "not known", tuple(unsound)
+        rows = [Requirement(key, threat.title, least, found, "not known") for key, least, found in unsound]
+        return "not known", tuple(rows)
     rows = []
     bound, expected_m_s = (scenario.design or DesignSection()).bound(threat), standing.expected_m_s
     margin_m_s = (standing.limit_m_s if expected_m_s is None else expected_m_s) - threat.velocity_m_s

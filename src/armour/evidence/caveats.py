@@ -44,22 +44,16 @@ def is_limit_too_low(armour: Parameters) -> Any:
     return is_long_rod(armour) & is_dense & (armour.Hc0 == 0.0)
 
 
-def too_thin(ratio: str, thickness_mm: str) -> str:
-    """Return the caveat that no ceramic below a thickness, also given over the penetrator's diameter, was tested."""
-    return f"no tile thinner than {thickness_mm} mm, {ratio} penetrator diameters, was tested"
-
-
-def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = True) -> Iterator[tuple[Note, Any]]:
+def caveats(armour: Parameters, metals: Iterable[LibraryEntry]) -> Iterator[tuple[Note, Any]]:
     """Yield the caveats about n armours, and about those of the metals that have doubtful values.
 
-    Each caveat comes with a mask of the armours that it is about, (n,).  `said` tells whether the answer contains the
-    caveats itself.
+    Each caveat comes with a mask of the armours that it is about, (n,).
     """
-    density, key, caveat = np.atleast_1d(armour.rho_B), "backing.density_kg_m3", "caveat" * said
+    density, key = np.atleast_1d(armour.rho_B), "backing.density_kg_m3"
     unlike = is_no_metal(density)
     if unlike.any():
         least = float(density[unlike].min())
-        yield Note(no_metal(least), key, said="not known" * said, about=("no metal", least)), unlike
+        yield Note(no_metal(least), key, said="not known", about=("no metal", least)), unlike
     doubted = ~unlike & (density < SURELY_METAL_KG_M3)
     if doubted.any():
         least = float(density[doubted].min())
@@ -67,17 +61,17 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry], *, said: bool = 
             f"is a back plate of {floor(least):,} kg/m³ a metal? {NOT_MODELLED} (glass laminates reach 2,000 kg/m³, "
             f"magnesium begins at {LEAST_METAL_KG_M3:,.0f})"
         )
-        yield Note(question, key, said=caveat, about=("doubted metal", least)), doubted
+        yield Note(question, key, said="caveat", about=("doubted metal", least)), doubted
     long, too_low = ~unlike & is_long_rod(armour), np.atleast_1d(is_limit_too_low(armour))
     for rows, more, kind in ((long & too_low, "; the limit is too low", "too low"), (long & ~too_low, "", "caveat")):
         if rows.any():
             place = int(np.argmax(np.where(rows, armour.L0 / armour.D0, 0.0)))  # of the longest rod
             numbers = [float(np.atleast_1d(each)[place]) for each in (armour.L0 / armour.D0, density, armour.rho_p)]
             about: tuple[str | float, ...] = (f"long rod{more}", *numbers)
-            yield Note(long_rod(*numbers) + more, "projectile", said=kind * said, about=about), rows
+            yield Note(long_rod(*numbers) + more, "projectile", said=kind, about=about), rows
     for name, reason in {metal.name: metal.doubtful for metal in metals if metal.doubtful}.items():
         words = f"the values of {name} are doubtful: {reason}"
-        yield Note(words, "armour.backing", said=caveat, about=("doubtful values", name)), ~unlike
+        yield Note(words, "armour.backing", said="caveat", about=("doubtful values", name)), ~unlike
 
 
 def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:

@@ -85,7 +85,7 @@ class Mixture(NamedTuple):
         return (weights * probability_below(freedom, -scores, many=self._many(places))).sum(axis=0)
 
     def quantile(self, probabilities: ArrayLike) -> Any:
-        """Return the values that are not exceeded with given probabilities, 0 to 1."""
+        """Return the values that are not exceeded with given probabilities, 0 to 1; NaN where not known."""
         chances = np.asarray(probabilities, dtype=np.float64)
         weights, locations, scales, freedom, narrowed = self._parts(chances)
         many = self._many(chances)
@@ -107,13 +107,6 @@ class Mixture(NamedTuple):
             if not moving.any():
                 break
         return np.exp(places) if self.logarithmic else places
-
-    def medians(self) -> Floats:
-        """Return the medians of n distributions, (n,); NaN where they are not known."""
-        known = np.flatnonzero(~np.isnan(self.weights).any(axis=0))
-        medians = np.full(self.weights.shape[1], np.nan)
-        medians[known] = self.mapped(lambda array: array[:, known]).quantile(np.full(len(known), 0.5))
-        return medians
 
     def log_density(self, values: ArrayLike) -> Any:
         """Return the logarithm of the density at values above 0, per their unit."""

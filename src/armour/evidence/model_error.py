@@ -1,6 +1,6 @@
 """Model error of a scenario or of many of its variants: its distribution, its tests, and why it is not known."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import exp, expm1, log
@@ -12,7 +12,7 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
-from armour.evidence.fit import Fit, is_same_armour, mixture_of
+from armour.evidence.fit import is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.tests import (
     Armours,
@@ -25,7 +25,7 @@ from armour.evidence.tests import (
 )
 from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
-from armour.scenario.library import PAGE, SCATTER_KEYS
+from armour.scenario.library import SCATTER_KEYS
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DesignSection, Model, Solver
 
@@ -47,7 +47,6 @@ NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
-REMEDY = "own tests (armour calibrate) can give it"
 BARE = "uncertainty.model gives an error without both its source and degrees_of_freedom"
 
 
@@ -290,7 +289,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
     laws = [
         law
-        for evidence, rows in armours.by_evidence()
+        for evidence, rows in armours.by_evidence
         for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
     ]
     errors = ErrorRows.unknown(count, 1 + max((law.number for law in laws), default=0))
@@ -300,27 +299,23 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         errors.ratio.weights[:, law.rows] = 0.0
         errors.greatest[law.rows] = law.greatest
     for law in laws:
-        errors.parameters[law.number][:, law.rows] = law_of(law.armours.parameters)
+        errors.parameters[law.number][:, law.rows] = law.parameters
         arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
-        for array, values in zip(arrays, law.ratio(), strict=True):
+        for array, values in zip(arrays, law.ratio, strict=True):
             array[law.number, law.rows] = values
     return errors
 
 
 class LawOfRows(NamedTuple):
-    """A law by which ballistic limits of some of n armours are computed, and the fit of the model error by this law."""
+    """A law by which ballistic limits of some of n armours are computed, and the model error by this law."""
 
     number: int  # index among the laws of the armours; 0 is their own
     rows: Any  # indices of the armours
-    armours: Armours  # these armours, with the parameters of the law
-    fit: Fit
-    doubted: Mapping[str, tuple[float, float]]  # ranges, by quantity, beyond which the trend is uncertain
+    parameters: Floats  # of the core, by field of `LAW_FIELDS`
+    ratio: tuple[
+        Any, ...
+    ]  # weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`
     greatest: Any  # greatest probabilities of stopping that are stated for these armours
-
-    def ratio(self) -> tuple[Any, ...]:
-        """Return weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`."""
-        locations, scales, narrowed = self.fit.predicted(self.armours.quantities(), self.doubted)
-        return self.fit.weight, locations, scales, self.fit.degrees_of_freedom, narrowed
 
 
 def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: bool) -> Iterator[LawOfRows]:
@@ -351,7 +346,9 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
                 if changes and evidence.laws:
                     changes["Yc0"] = by_own_law.parameters.Yc0 * (fit.law["Yc0"] / own_fit.law["Yc0"])
                 of_law = by_own_law.with_law(changes)
-                yield LawOfRows(number, places[has_law], of_law, fit, doubted, greatest[has_law])
+                locations, scales, narrowed = fit.predicted(of_law.quantities(), doubted)
+                ratio = fit.weight, locations, scales, fit.degrees_of_freedom, narrowed
+                yield LawOfRows(number, places[has_law], law_of(of_law.parameters), ratio, greatest[has_law])
 
 
 def law_of(parameters: Parameters) -> Floats:
@@ -371,18 +368,15 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
     shots: Any = dict(zip(SCATTER_KEYS, scatter_of(scenario, materials, bare=is_bare), strict=True))
     if (error := given_error(scenario)) is not None:
         return ModelError.of_ratio(ratio, error.source, **shots)
-    [(evidence, _)] = armour.by_evidence()
-    oblique = evidence.fails_angle(armour.cosines).all()
+    [(evidence, _)] = armour.by_evidence
+    oblique = bool(evidence.fails_angle(armour.cosines).all())
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
-    title = f"{evidence.title}, at normal incidence" if oblique else evidence.title
-    here = _tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None
-    at_least = evidence.at_least if oblique else ""
     return ModelError.of_ratio(
         ratio,
-        title,
+        evidence.title + ", at normal incidence" * oblique,
         outside(evidence.measured, q),
-        at_least=at_least,
-        tests_here=here,
+        at_least=evidence.at_least if oblique else "",
+        tests_here=_tests_here(evidence, ratio, armour, limit_m_s) if evidence.lot else None,
         greatest_probability=float(greatest_probability(evidence, q)[0]),
         **shots,
     )
@@ -417,26 +411,23 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
-    """Return why the model error is not known for a single armour, and what can provide it."""
+    """Return why the model error is not known for a single armour."""
     if reason := _why_by_settings(scenario):
         return reason
     if is_no_metal(np.min(armour.parameters.rho_B)):
         return "the back plate may be no metal"
     if scenario.interlayers:
         return INTERLAYER
-    [(evidence, _)] = armour.by_evidence()
+    [(evidence, _)] = armour.by_evidence
     if evidence.lot and not evidence.fits:
         return f"of {evidence.lot}, {evidence.source}"
-    q, reason, ceramic = armour.quantities(), NO_TEST, armour.materials[armour.material_of_row[0]].ceramic
-    if evidence.ceramic and ceramic is not None and is_untested(ceramic):
-        reason = f"no test of {ceramic.name} on metal is known"
+    q, ceramic = armour.quantities(), armour.materials[armour.material_of_row[0]].ceramic
     if evidence.holds(q).all():
-        reason = f"the model was compared with {evidence.angles()}"
-    elif not evidence.differences(q).any() and evidence.fits:
-        far = ", ".join(outside(evidence.measured, q))
-        strengths = [tested for tested in evidence.measured if tested.name == "rod_strength_GPa"]
-        page = f" (see {PAGE})" * any(tested.fails(q).all() for tested in strengths)
-        reason = f"the armour is too far from the tests, which are of {far}{page}"
-    elif evidence.lot:
-        reason = f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
-    return f"{reason}; {REMEDY}"
+        return f"the model was compared with {evidence.angles()}"
+    if not evidence.differences(q).any():
+        return f"the armour is too far from the tests, which are of {', '.join(outside(evidence.measured, q))}"
+    if evidence.lot:
+        return f"the armour differs from the own tests of {evidence.lot}: {', '.join(outside(evidence.kind, q))}"
+    if evidence.ceramic and ceramic is not None and is_untested(ceramic):
+        return f"no test of {ceramic.name} on metal is known"
+    return "no test of such an armour is known"

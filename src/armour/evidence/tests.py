@@ -1,6 +1,7 @@
 """The tests that the model was compared with, shipped or the user's own, and where an armour lies outside them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, cached_property
 from math import log
 from typing import Any, NamedTuple
@@ -9,7 +10,7 @@ import numpy as np
 
 from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
-from armour.evidence.caveats import caveats, is_no_metal, too_thin
+from armour.evidence.caveats import caveats, is_no_metal
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import (
     Fit,
@@ -21,7 +22,7 @@ from armour.evidence.fit import (
     same_rods,
     shipped_data,
 )
-from armour.scenario.inputs import CERAMIC, OBLIQUITY, VELOCITY, cosine_of
+from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_KEY,
     FLOW_STRESS_LAW,
@@ -33,12 +34,9 @@ from armour.scenario.library import (
     tensile_strength,
 )
 from armour.scenario.scenario import Scenario
+from armour.scenario.schema import Impact
 from armour.units import MM
 
-# Quantity for which the answer itself says that the armour is below the tests.
-THIN = "ceramic_thickness_ratio"
-# Kind of the caveat on a ceramic that is too thin.
-TOO_THIN = "too thin"
 # Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
 UNUSUAL_FACTOR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
@@ -51,7 +49,7 @@ ALIKE_FACTOR = 1.1
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Thicknesses of the layers, in diameters of the penetrator; and by how much the greatest probability of stopping that
 # is stated falls where the logarithm of a thickness over the nearest tested one grows by 1.
-THICKNESSES = (THIN, "backing_thickness_ratio")
+THICKNESSES = ("ceramic_thickness_ratio", "backing_thickness_ratio")
 # Words for the layers, and the factor outside a range of the tests beyond which an armour is called far from them.
 LAYERS, FAR = dict(zip(THICKNESSES, ("tile", "plate"), strict=True)), 1.1
 FALL = 0.1 / log(1.5)
@@ -86,39 +84,14 @@ class DataRange(NamedTuple):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
 
-    def ratio(self, q: Quantities) -> Any:
-        """Return the values of n armours, each over the nearest value in the range: 1 inside it and for a NaN."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.nan_to_num(q[self.name] / q[self.name].clip(self.low, self.high), nan=1.0, posinf=np.inf)
-
-    def log_ratio(self, q: Quantities) -> Any:
-        """Return the logarithms of these ratios."""
-        with np.errstate(divide="ignore"):
-            return np.log(self.ratio(q))
-
-    def joined(self, low: float, high: float) -> "DataRange":
-        """Return the range widened to contain `low` and `high`."""
-        return DataRange(self.name, min(self.low, float(low)), max(self.high, float(high)))
-
     def containing(self, values: Any) -> "DataRange":
         """Return the range widened to contain further values, with a margin for rounding."""
-        return self.joined(values.min() * (1.0 - ROUNDING), values.max() * (1.0 + ROUNDING))
-
-    @property
-    def key(self) -> str:
-        """Key of the scenario that the quantity depends on."""
-        return str(shipped_data()["quantity"][self.name]["key"])
+        low, high = float(values.min()) * (1.0 - ROUNDING), float(values.max()) * (1.0 + ROUNDING)
+        return DataRange(self.name, min(self.low, low), max(self.high, high))
 
     def __str__(self) -> str:
-        return self.words(self.ends())
-
-    def ends(self) -> str:
-        """Return the ends of the range, or its only value, as text."""
-        return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (self.low, self.high)))
-
-    def words(self, values: str) -> str:
-        """Return the words that describe the quantity with given values."""
-        return str(shipped_data()["quantity"][self.name]["words"]).format(values)
+        ends = dict.fromkeys(f"{end:.4g}" for end in (self.low, self.high))
+        return str(shipped_data()["quantity"][self.name]).format(" to ".join(ends))
 
 
 class Evidence(NamedTuple):
@@ -133,8 +106,7 @@ class Evidence(NamedTuple):
     kind: tuple[DataRange, ...] = ()  # ranges that define the kind of armour and penetrator
     measured: tuple[DataRange, ...] = ()  # ranges of the tests
     compared: tuple[DataRange, ...] = ()  # outside these, an armour is unlike all that the model was compared with
-    velocities: DataRange = DataRange("velocity_m_s", 0.0, np.inf)
-    fits: tuple[Fit, ...] = ()  # of the model error, one for each law; none if these are results of the paper's program
+    fits: tuple[Fit, ...] = ()  # of the model error, one for each law; none if an entry must be calibrated again
     ceramic: str = ""  # empty for bare plates
     metal: str = ""  # of the back plates, and the projectile, if there was only one
     projectile: str = ""
@@ -156,9 +128,8 @@ class Evidence(NamedTuple):
 
     def holds(self, q: Quantities) -> Any:
         """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
-        farthest = FARTHEST_CERAMIC if self.ceramic else FARTHEST_BARE
-        factor = np.maximum.reduce([data_range.factor(q) for data_range in self.measured])
-        return (self.differences(q) == 0) & (factor <= farthest) & bool(self.fits)
+        most = FARTHEST_CERAMIC if self.ceramic else FARTHEST_BARE
+        return (self.differences(q) == 0) & (farthest(self.measured, q) <= most) & bool(self.fits)
 
     def fails_angle(self, cosines: Any) -> Any:
         """Return whether angles, given their cosines, are beyond those of the tests."""
@@ -177,7 +148,7 @@ def greatest_probability(evidence: Evidence, q: Quantities) -> Any:
     It falls with the distance from the tests: the greater logarithm of the factors by which the layers are thicker or
     thinner than tested ones, in diameters of the penetrator.  Own tests count for the round that they were fired with.
     """
-    distance = np.max([abs(data_range.log_ratio(q)) for data_range in evidence.thicknesses], axis=0)
+    distance = np.log(farthest(evidence.thicknesses, q))
     if evidence.lot:
         tested = evidence.fits[0].own[0].tests.quantities
         same = same_rods(q, tested)
@@ -189,9 +160,13 @@ def greatest_probability(evidence: Evidence, q: Quantities) -> Any:
             )
             for data_range in evidence.thicknesses
         ]
-        by_own = np.max([abs(data_range.log_ratio(q)) for data_range in own], axis=0)
-        distance = np.where(same.any(axis=1), np.minimum(distance, by_own), distance)
+        distance = np.where(same.any(axis=1), np.minimum(distance, np.log(farthest(own, q))), distance)
     return (1.0 - FALL * distance).clip(min=0.0)
+
+
+def farthest(ranges: Iterable[DataRange], q: Quantities) -> Any:
+    """Return the greatest factor by which each of n armours is outside ranges, at least 1."""
+    return np.max([data_range.factor(q) for data_range in ranges], axis=0)
 
 
 def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
@@ -231,7 +206,6 @@ def shipped_evidence() -> tuple[Evidence, ...]:
             measured=_ranges(data["measured"]),
             compared=_ranges(compared),
             thicknesses=_thicknesses(_ranges(data["measured"])),
-            velocities=DataRange("velocity_m_s", *data["velocities_m_s"]),
             fits=tuple(fits()[name]._replace(weight=1.0 / len(data["fits"])) for name in data["fits"]),
             **{key: data[key] for key in AS_GIVEN if key in data},
         )
@@ -240,6 +214,16 @@ def shipped_evidence() -> tuple[Evidence, ...]:
             tests.append(whole._replace(kind=(*whole.kind, ratio), fits=(fits()[data["tensile_fit"]],)))
         tests.append(whole)
     return tuple(tests)
+
+
+def tests_of_tiles() -> Evidence:
+    """Return the shipped tests of armour with a ceramic, whose kind begins with the ranges of `OF_CERAMIC`."""
+    return next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+
+
+def nearest_shipped(q: Quantities) -> Any:
+    """Return the index of the shipped tests that are closest to each of n armours, (n,)."""
+    return np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
 
 
 def shipped_evidence_of(fit: str) -> Evidence:
@@ -285,15 +269,12 @@ class Armours(_Rows):
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
         return quantities(self.parameters, tensile[self.material_of_row], self.cosines)
 
-    def by_evidence(self) -> Sequence[tuple[Evidence, Any]]:
-        """Return each evidence with a mask of the armours that it applies to, (n,); it is looked up once.
+    @cached_property
+    def by_evidence(self) -> list[tuple[Evidence, Any]]:
+        """Each evidence with a mask of the armours that it applies to, (n,).
 
         The evidence on an armour is the own tests of its ceramic or its bare plate, or else the closest shipped tests.
         """
-        return self._by_evidence
-
-    @cached_property
-    def _by_evidence(self) -> list[tuple[Evidence, Any]]:
         found, is_bare, has_shipped = [], self.parameters.Hc0 == 0.0, np.ones(len(self.material_of_row), dtype=bool)
         for place, materials in enumerate(self.materials):
             for entry, has_kind in ((materials.ceramic, ~is_bare), (materials.backing, is_bare)):
@@ -302,7 +283,7 @@ class Armours(_Rows):
                     has_shipped = has_shipped & ~rows
                     found.append((own_evidence(entry, entry.evidence), rows))
         q = self.quantities()
-        nearest = np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
+        nearest = nearest_shipped(q)
         for place, evidence in enumerate(shipped_evidence()):
             if (rows := has_shipped & (nearest == place)).any():
                 found.append((evidence, rows))
@@ -358,8 +339,6 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
         kind=kind,
         measured=measured,
         thicknesses=_thicknesses(measured) if is_new else shipped.thicknesses,
-        compared=(*kind, *measured),
-        velocities=shipped.velocities.joined(velocities.min(), velocities.max()),
         fits=tuple(fit._replace(weight=w) for fit, w in zip(updated, weights, strict=True)),
         obliquity_max_deg=max(shipped.obliquity_max_deg, *np.degrees(np.arccos(1.0 / tested["path_ratio"]))),
         lot=own_tests.lot or entry.name,
@@ -436,10 +415,7 @@ def is_untested(ceramic: LibraryEntry) -> bool:
     """Return whether there is no test of a ceramic on metal."""
     values = np.array([ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"]])
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
-    kinds = (evidence.kind for evidence in shipped_evidence() if evidence.ceramic and evidence.fits)
-    return ceramic.evidence is None and all(
-        is_outside((data_range for data_range in kind if data_range.name in q), q) for kind in kinds
-    )
+    return ceramic.evidence is None and bool(is_outside(tests_of_tiles().kind[:2], q))
 
 
 def lacks_sources(ceramic: LibraryEntry) -> bool:
@@ -460,12 +436,8 @@ def lacks_sources(ceramic: LibraryEntry) -> bool:
         return any(abs(q[name] - calibrated[name]) > ROUNDING * abs(calibrated[name]) for name in {*q} & {*calibrated})
     if ceramic.sources or is_untested(ceramic):
         return is_untested(ceramic)
-    tested = (
-        (*law, *(data_range for data_range in evidence.kind if data_range.name in q))
-        for evidence in shipped_evidence()
-        for law in evidence.laws
-    )
-    return all(is_outside(ranges, q) for ranges in tested)
+    tiles = tests_of_tiles()
+    return all(is_outside((tiles.kind[2], *law), q) for law in tiles.laws)
 
 
 def is_unusual(armour: Parameters) -> Any:
@@ -486,181 +458,111 @@ def is_unusual(armour: Parameters) -> Any:
     return np.any([far & (has_ceramic == (armour.Hc0 > 0.0)) for (has_ceramic, _), far in is_far.items()], axis=0)
 
 
-class Outside(NamedTuple):
-    """A range of the tests, or another condition on them, outside which some of n armours lie."""
+class Far(NamedTuple):
+    """What of an armour or a threat is far from the tests, in words."""
 
-    key: str  # of the input that it depends on
-    words: str  # what the model was compared with
-    rows: Any  # indices of the armours outside
-    numbers: str  # the range of their values, in words
+    found: str  # such as "12 mm tile"
+    tested: str = ""  # such as "tested 5.8 to 7.8 mm"
 
-    def note(self, key: str = "") -> Note:
-        """Return the warning, by default with its own key."""
-        return Note(self.words + self.numbers, key or self.key, said="far")
+    def __str__(self) -> str:
+        return f"{self.found} ({self.tested})" if self.tested else self.found
 
 
-def limits_outside(armours: Armours, velocities: Any) -> Iterator[Outside]:
-    """Yield the ranges and conditions of the tests outside which some of n armours, or of their velocities, m/s, lie.
-
-    A NaN is not outside.
-    """
-    ceramics = ", ".join(dict.fromkeys(tests.ceramic for tests in shipped_evidence() if tests.ceramic))
-    for evidence, rows in armours.by_evidence():
-        members = armours.at(rows)
-        q, ceramic = members.quantities(), members.materials[members.material_of_row[0]].ceramic
-        name, is_shipped = f', found "{ceramic.name}"' if ceramic else "", not evidence.lot
-        oblique = evidence.fails_angle(members.cosines)
-        is_other = is_outside(evidence.kind[:2], q) & is_shipped & bool(evidence.ceramic)
-        checks = [
-            (OBLIQUITY, evidence.angles(), oblique, ""),
-            _check(evidence.velocities, {"velocity_m_s": velocities[rows]}),
-            ("armour.ceramic", "no test by such a law of the flow stress", evidence.has_other_law(q), name),
-            ("armour.ceramic", f"tests or results of the paper's program of {ceramics} only", is_other, name),
-            ("armour.ceramic", evidence.title, ~is_other & (not evidence.fits) & is_shipped, name),
-            *(_check(data_range, q, ~(is_other & (data_range.name in OF_CERAMIC))) for data_range in evidence.compared),
-        ]
-        for key, words, fails, numbers in checks:
-            if fails.any():
-                yield Outside(key, f"the model was compared with {words}", np.flatnonzero(rows)[fails], numbers)
-
-
-def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[str, ...]:
-    """Return in what the armour of a scenario, a single row, is far from the tests, such as "5083-H3 (on 6061-T6)".
+def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[Far, ...]:
+    """Return in what the armour of a scenario, a single row, is far from the tests.
 
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
     range of the tests, which is rounded inwards.
     """
     p, cosines = armours.parameters, armours.cosines
     sizes_mm = ((thickness * cosines).item() / MM for thickness in (p.Hc0, p.Hb))
-    return what_was_tested(scenario, armours).far_of(armours.materials[0].ceramic, *sizes_mm)
+    return what_was_tested(scenario.impact, armours).far_of(armours.materials[0].ceramic, *sizes_mm)
 
 
 class Tested(NamedTuple):
     """What was tested of armours like one."""
 
     thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
-    others: tuple[str, ...]  # what else of the armour is far from that, in words
+    others: tuple[Far, ...]  # what else of the armour is far from that
 
-    def far_of(self, ceramic: LibraryEntry | None, tile_mm: float, plate_mm: float) -> tuple[str, ...]:
+    def far_of(self, ceramic: LibraryEntry | None, tile_mm: float, plate_mm: float) -> tuple[Far, ...]:
         """Return in what an armour with these thicknesses, mm, is far from the tests."""
-        words = [f"{ceramic.name} (no test)"] if ceramic is not None and tile_mm and is_untested(ceramic) else []
-        words += filter(None, map(self.far, LAYERS.values(), (tile_mm, plate_mm)))
-        return (*words, *self.others)
+        found = [Far(ceramic.name, "no test")] if ceramic is not None and tile_mm and is_untested(ceramic) else []
+        found += filter(None, map(self.far, LAYERS.values(), (tile_mm, plate_mm)))
+        return (*found, *self.others)
 
-    def far(self, layer: str, size_mm: float) -> str:
-        """Return the thickness of a layer, mm, with the range tested if it is far from that; otherwise ""."""
+    def far(self, layer: str, size_mm: float) -> Far | None:
+        """Return the thickness of a layer, mm, with the range tested if it is far from that."""
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
-            return ""
+            return None
         # Of a single thickness, both roundings.
         ends = sorted((np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0))
-        return f"{size_mm:.4g} mm {layer} (tested {' to '.join(dict.fromkeys(f'{end:g}' for end in ends))} mm)"
+        tested = " to ".join(dict.fromkeys(f"{end:g}" for end in ends))
+        return Far(f"{size_mm:.4g} mm {layer}", f"tested {tested} mm")
 
 
-def what_was_tested(scenario: Scenario, armours: Armours) -> Tested:
-    """Return what was tested of armours like that of a scenario, a single row; without that its ceramic was not."""
-    [(nearest, _)] = armours.by_evidence()
-    evidence, q = _tests_of(nearest, armours), armours.quantities()
-    diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
+def what_was_tested(impact: Impact, armours: Armours) -> Tested:
+    """Return what was tested of armours like a single row, against an impact; without that its ceramic was not."""
+    [(evidence, _)] = armours.by_evidence
+    q = armours.quantities()
+    evidence = evidence if evidence.fits else shipped_evidence()[nearest_shipped(q)[0]]
     ranges = [*evidence.kind, *evidence.measured]
+    diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
     roles = {each.name.partition("_")[0] for each in ranges if each.name not in LAYERS and each.factor(q)[0] > FAR}
     thicknesses_mm = {
         LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in ranges if each.name in LAYERS
     }
-    words = []
+    others = []
     for name, tested, role, with_it in (
         (armours.materials[0].backing.name, evidence.metal, "backing", "on"),
-        (scenario.impact.projectile, evidence.projectile, "rod", "with"),
+        (impact.projectile, evidence.projectile, "rod", "with"),
     ):
         if tested and not evidence.lot and tested != name:
-            words.append(f"{name} ({with_it} {tested})")
+            others.append(Far(name, f"{with_it} {tested}"))
         elif not tested and role in roles:
-            words.append(name)
+            others.append(Far(name))
     if evidence.fails_angle(armours.cosines)[0]:
-        words.append(f"{scenario.impact.obliquity_deg:g}° (tested to {evidence.obliquity_max_deg:g}°)")
-    return Tested(thicknesses_mm, tuple(words))
+        others.append(Far(f"{impact.obliquity_deg:g}°", f"tested to {evidence.obliquity_max_deg:g}°"))
+    return Tested(thicknesses_mm, tuple(others))
 
 
-def _tests_of(evidence: Evidence, armours: Armours) -> Evidence:
-    """Return the evidence if it has a fit; otherwise, as for results of the paper's program, tests of such armour."""
-    if evidence.fits:
-        return evidence
-    has_ceramic = bool(np.any(armours.parameters.Hc0))
-    return next(tests for tests in shipped_evidence() if tests.fits and bool(tests.ceramic) == has_ceramic)
-
-
-def contradicted(armours: Armours, *, said: bool = True) -> Iterator[tuple[Note, Any]]:
+def contradicted(armours: Armours) -> Iterator[tuple[Note, Any]]:
     """Yield what tests contradict of the limits of n armours, or of their probabilities, unless own tests tell.
 
-    Masks and `said` are as in `caveats`.
+    Masks are as in `caveats`.
     """
     q = armours.quantities()
     for name, data in shipped_data()["caveat"].items():
         rows = ~is_outside(_ranges(data["ranges"]), q) & ~is_no_metal(armours.parameters.rho_B)
         if rows.any():
-            for evidence, members in armours.by_evidence():
+            for evidence, members in armours.by_evidence:
                 if evidence.lot and evidence.fits:
                     rows[members] &= evidence.differences(armours.at(members).quantities()) > 0
         if rows.any():
-            yield Note(data["words"], data["key"], said="caveat" * said, about=("contradicted", name)), rows
+            yield Note(data["words"], data["key"], said="caveat", about=("contradicted", name)), rows
 
 
-def limits_of_model(
-    armours: Armours, metals: Iterable[LibraryEntry], *, said: bool = True
-) -> Iterator[tuple[Note, Any]]:
-    """Yield the `caveats` and `contradicted` about n armours, and those on changed equations and too thin ceramics.
-
-    Masks and `said` are as in `caveats`.
-    """
-    p, least = armours.parameters, np.zeros(len(armours.cosines))
+def limits_of_model(armours: Armours, metals: Iterable[LibraryEntry]) -> Iterator[tuple[Note, Any]]:
+    """Yield the `caveats` and `contradicted` about n armours, and that on changed equations; masks as in `caveats`."""
     if changed := changed_equations():
-        words = f"computed with {changed}"
-        yield Note(words, said="caveat" * said, about=("equations", changed)), np.ones(len(least), dtype=bool)
-    yield from caveats(p, metals, said=said)
-    yield from contradicted(armours, said=said)
-    for evidence, rows in armours.by_evidence():
-        ranges = _tests_of(evidence, armours.at(rows)).measured
-        least[rows] = sum(data_range.low for data_range in ranges if data_range.name == THIN)
-    is_thin = p.Hc0 / p.D0 < least
-    if is_thin.any():
-        ratios, thicknesses_mm = least[is_thin], (least * p.D0 * armours.cosines / MM)[is_thin]
-        words = too_thin(_ends(ratios, ".2g"), _ends(thicknesses_mm, ".2g"))
-        ends = (float(end) for values in (ratios, thicknesses_mm) for end in (values.min(), values.max()))
-        yield Note(words, CERAMIC, said="far", about=(TOO_THIN, *ends)), is_thin
+        note = Note(f"computed with {changed}", said="caveat", about=("equations", changed))
+        yield note, np.ones(len(armours.cosines), dtype=bool)
+    yield from caveats(armours.parameters, metals)
+    yield from contradicted(armours)
 
 
-def _check(data_range: DataRange, q: Quantities, rows: Any = True) -> tuple[str, str, Any, str]:
-    """Check whether quantities of n armours lie in a range; `rows` may restrict the check to some of them.
+def scenario_warnings(scenario: Scenario, armours: Armours | None = None, *, said: bool = False) -> tuple[Note, ...]:
+    """Return the caveats about the armour of a scenario, and warnings of unused threats and doubtful strengths.
 
-    Return the key, the words of the range, a mask of the armours that fail, and the range of their values in words.
-    """
-    fails = data_range.fails(q) & ~np.isnan(q[data_range.name]) & rows
-    if data_range.name == THIN:  # `limits_of_model` has what is too thin
-        fails &= q[THIN] > data_range.low
-    return data_range.key, f"results for {data_range}", fails, f", found {_ends(q[data_range.name][fails])}"
-
-
-def _ends(values: Any, spec: str = "") -> str:
-    """Return the least and the greatest of values in words, such as "30 to 45"; one word if they are equal."""
-    ends = values.min(initial=np.inf), values.max(initial=-np.inf)
-    return " to ".join(dict.fromkeys(f"{end:{spec or ('.0f' if end >= 100.0 else '.3g')}}" for end in ends))
-
-
-def scenario_warnings(
-    scenario: Scenario, velocity: float, key: str = VELOCITY, *, armours: Armours | None = None, said: bool = False
-) -> tuple[Note, ...]:
-    """Return the caveats, and warnings of unused threats and of ways in which the scenario lies outside the tests.
-
-    `velocity` is the impact velocity or the ballistic limit, m/s, and `key` its key; `armours` has the scenario's
-    armour, if it is known already; `said` tells whether the answer itself contains the caveats.
+    `armours` has the scenario's armour, if it is known already; `said` tells whether the answer itself contains the
+    caveats.
     """
     armours = armours or armours_of(scenario)
-    outside = limits_outside(armours, np.array([velocity]))
-    notes = (limit.note(key if limit.key == VELOCITY else "") for limit in outside)
     metals = [armours.materials[0].backing]
+    cannot = (note for note, _ in limits_of_model(armours, metals))
     strengths = strength_notes(metals, bare=not scenario.armour.ceramic_thickness_mm)
-    cannot = (note for note, _ in limits_of_model(armours, metals, said=said))
-    return (*cannot, *scenario.unused_threats(), *notes, *strengths)
+    return (*(note if said else replace(note, said="") for note in cannot), *scenario.unused_threats(), *strengths)
 
 
 def _named(titles: Sequence[str], places: Sequence[int]) -> str:
@@ -685,13 +587,10 @@ def against_each(
         yield notes[0].against(_named(titles, places)), list(masks)
 
 
-def threat_warnings(
-    scenario: Scenario, armours: Armours, metals: Sequence[LibraryEntry] | None = None
-) -> Iterator[Note]:
-    """Yield the ways in which an armour and the threats of a scenario are unlike what the model was compared with.
+def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
+    """Yield the caveats about an armour and the threats of a scenario, and the doubtful strength of its metal.
 
-    `armours` has a row of the armour against each threat.  `metals` are the metals whose strengths are compared, by
-    default only the armour's own.  A warning that is not about all threats names its threats.
+    `armours` has a row of the armour against each threat.  A caveat that is not about all threats names its threats.
     """
     threats = scenario.threats()
     titles, backings = [threat.title for threat in threats], [materials.backing for materials in armours.materials]
@@ -699,10 +598,5 @@ def threat_warnings(
     by_threat = (limits_of_model(armour, backings) for armour in each)
     for note, _ in against_each(titles, by_threat):
         yield note
-    for outside in limits_outside(armours, np.array([threat.velocity_m_s for threat in threats])):
-        section, _, name = outside.key.partition(".")
-        is_of_threat = scenario.threat and section in ("impact", "projectile")
-        key = f"threat[{outside.rows[0]}].{name if section == 'impact' else 'projectile'}" if is_of_threat else ""
-        yield outside.note(key).against(_named(titles, outside.rows))
     own = armours.materials[armours.material_of_row[0]].backing
-    yield from strength_notes(metals or [own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))
+    yield from strength_notes([own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

@@ -12,7 +12,7 @@ import numpy as np
 from armour import __version__
 from armour.analysis.ballistic_limit import limit_and_error
 from armour.analysis.results import OnProgress, ignore_progress
-from armour.analysis.variants import Floats, Variants
+from armour.analysis.variants import Floats
 from armour.core.state import Parameters
 from armour.design.catalogue import COST_COLUMN, Catalogue, catalogue_of
 from armour.design.check import USUAL_PROBABILITY
@@ -35,9 +35,9 @@ from armour.units import MM
 PROBABILITIES = (0.99, 0.975, 0.95, 0.9, 0.85, 0.77, 0.68, 0.59, 0.5, 0.41, 0.32, 0.23, 0.15, 0.08, 0.04, 0.02, 0.01)
 # Largest number of designs times threats on a page, which then takes less than 1.5 MB.
 MOST_DESIGNS = 25_000
-# Pairs of numbers of nodes along an axis: of thicknesses in steps (0 adds none between these), and of a free range.
-# The first pair with which the page is not too large is used.
-PAGE_NODES = ((31, 61), (21, 41), (13, 25), (0, 13))
+# Numbers of nodes along an axis, of which the first with which the page is not too large is used; 0 adds none between
+# the thicknesses on offer.
+PAGE_NODES = (31, 21, 13, 0)
 
 
 def design_page(
@@ -141,8 +141,6 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
     """Yield sentences on what the page shows and leaves out."""
     section, title = catalogue.section, catalogue.scenario.title
     yield "Probabilities are those of one shot, far from edges and joints; firing tests are not replaced."
-    if catalogue.has_free_layer:
-        yield "Any thickness in a range without a step is on offer; between the steps of this map a lighter one may do."
     if section.minimise != "areal_density_kg_m2":
         objective = "cost" if section.minimise == COST_COLUMN else "thickness"
         yield f"The scenario asks for the least {objective}; this page compares areal densities."
@@ -164,8 +162,8 @@ def _notes(catalogue: Catalogue) -> Iterator[str]:
 def _pairs(catalogue: Catalogue, probabilities: tuple[float, ...], on_progress: OnProgress) -> list[dict[str, Any]]:
     """Return the data of every pair of materials, on the finest grids that fit on a page."""
     offers = [offer[:2] for offer in catalogue.offers]
-    for nodes, free in PAGE_NODES:
-        grids = [(_nodes(ceramic, nodes, free), _nodes(backing, nodes, free)) for ceramic, backing in offers]
+    for nodes in PAGE_NODES:
+        grids = [(_nodes(ceramic, nodes), _nodes(backing, nodes)) for ceramic, backing in offers]
         count = sum(len(ceramics) * len(backings) for ceramics, backings in grids) * len(catalogue.threats)
         if count <= MOST_DESIGNS:
             break
@@ -175,19 +173,14 @@ def _pairs(catalogue: Catalogue, probabilities: tuple[float, ...], on_progress: 
             "widen the steps, or offer fewer materials"
         )
         raise InputError([Problem(catalogue.scenario.file, "design", message)])
-    coarser = (nodes, free) != PAGE_NODES[0]
+    coarser = nodes != PAGE_NODES[0]
     pairs = (_pair(catalogue, pair, grid, probabilities, on_progress) for pair, grid in enumerate(grids))
     return [pair | {"coarser": coarser} for pair in pairs]
 
 
-def _nodes(layer: Layer, nodes: int, free: int) -> Floats:
-    """Return the thicknesses of a layer that are on offer, mm, with others between them up to about `nodes` in all.
-
-    Of a free range, return `free` evenly spaced thicknesses.
-    """
+def _nodes(layer: Layer, nodes: int) -> Floats:
+    """Return the thicknesses of a layer that are on offer, mm, with others between them up to about `nodes` in all."""
     offered = layer.thicknesses()
-    if layer.free_range():
-        return np.linspace(offered[0], offered[-1], free)
     parts = max(-(-nodes // len(offered)), 1)
     between = [np.linspace(low, high, parts, endpoint=False) for low, high in pairwise(offered)]
     return np.concatenate([*between, offered[-1:]])
@@ -216,7 +209,6 @@ def _pair(
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
         "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
-        "free": [layer.free_range() is not None for layer in offer[:2]],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
         "tested": [_tested(catalogue, designs, tiled=tiled) for tiled in (False, True)],
@@ -245,25 +237,23 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
             for of_threat in (known[:, threat], ~known[:, threat])
         )
         _, error, _ = limit_and_error(row_known, ignore_progress)
-        tested = what_was_tested(catalogue.against(designs.pair, threat), row_known.armours)
+        tested = what_was_tested(catalogue.threats[threat], row_known.armours)
         sizes = zip(LAYERS.values(), (designs.ceramic_mm, designs.backing_mm), strict=True)
         of_threats.append(
             {
                 **tested.thicknesses_mm,
-                **{f"{layer}s": [tested.far(layer, mm) for mm in sizes_mm.tolist()] for layer, sizes_mm in sizes},
-                "far": tested.others,
+                **{
+                    f"{layer}s": [str(tested.far(layer, mm) or "") for mm in sizes_mm.tolist()]
+                    for layer, sizes_mm in sizes
+                },
+                "far": list(map(str, tested.others)),
                 "source": "" if error is None else error.source,
                 "floor": error is not None and bool(error.at_least),
-                "why": "" if known[:, threat].all() else _why_unknown(row_unknown),
+                "why": "" if known[:, threat].all() else row_unknown.why_error_unknown(),
             }
         )
     level, unsound = _unsound(catalogue, designs.pair, tiled=tiled)
     return {"unsound": unsound, "level": level, "threats": of_threats}
-
-
-def _why_unknown(row: Variants) -> str:
-    """Return why no probability of a single row is known, without the ranges of the tests, which the page has."""
-    return row.why_error_unknown().partition(";")[0].partition(", which are of")[0]
 
 
 def _unsound(catalogue: Catalogue, pair: int, *, tiled: bool) -> tuple[int, str]:
@@ -301,9 +291,7 @@ def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
 
 
 def _places(nodes: Floats, layer: Layer) -> list[int]:
-    """Return the indices of the thicknesses on offer among the nodes, mm; for a free range, all indices."""
-    if layer.free_range():
-        return list(range(len(nodes)))
+    """Return the indices of the thicknesses on offer among the nodes, mm."""
     return np.searchsorted(nodes, layer.thicknesses()).tolist()
 
 

@@ -135,7 +135,7 @@ def _sources(scenario: Scenario, answer: Scenario, threat: CheckedThreat) -> Ite
     """Yield texts that cite sources: of the model, of its error, of the values and of the threats."""
     yield "[Paper]"
     if threat.model_error is not None and given_error(answer) is None:
-        yield from (evidence.source for evidence, _ in armours_of(answer).by_evidence())
+        yield from (evidence.source for evidence, _ in armours_of(answer).by_evidence)
     for entry in filter(None, map(answer.entry_of, ROLES)):
         yield from (value.source for value in entry.values.values())
     yield from phrases.threat_notes(scenario)

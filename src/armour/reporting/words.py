@@ -8,7 +8,7 @@ from armour.design.check import CheckedThreat
 from armour.design.requirements import Requirement
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import no_metal
-from armour.evidence.model_error import INTERLAYER, ModelError
+from armour.evidence.model_error import INTERLAYER, ModelError, TestsHere
 from armour.reporting.table import Column, Table, VerdictLine, beside, interval, number, percent
 from armour.scenario.library import named_threats
 from armour.scenario.scenario import Scenario
@@ -75,9 +75,9 @@ def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
     return list(dict.fromkeys(note.text for note in notes if note.said in kinds))
 
 
-def far_line(far: Sequence[str], against: str = "") -> list[Table | str]:
+def far_line(far: Sequence[object], against: str = "") -> list[Table | str]:
     """Return a line on what of an armour is far from the tests, if anything; `against` names the threat."""
-    return [VerdictLine(f"far from the tests{against}: {', '.join(far)}", unsure=True)] if far else []
+    return [VerdictLine(f"far from the tests{against}: {', '.join(map(str, far))}", unsure=True)] if far else []
 
 
 def threat_notes(scenario: Scenario | None) -> list[str]:
@@ -114,17 +114,11 @@ def tested_here(error: ModelError) -> list[str]:
     """Return what own tests of the same armour measured, if any, and what the other own tests alone predict."""
     if (here := error.tests_here) is None:
         return []
-    count = len(here.limits_m_s)
-    own = [counted(count, "own test")] * bool(count) + [counted(here.shots, "shot")] * bool(here.shots)
-    limits = [
-        f"{limit:.0f}{f' ± {deviation:.0f}' * bool(deviation)}"
-        for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
-    ]
-    measured = f"measured {joined(limits)} m/s" if count else "tested"
+    count, measured = len(here.limits_m_s), measured_here(here)
     others = f"the {here.others} other own tests alone"
     others = {0: "without it", 1: "the other own test alone"}.get(here.others, others)
     predicted = f"about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s"
-    words = [f"{measured} here ({' and '.join(own)})", f"{others}: {predicted}"]
+    words = [f"{f'measured {measured}' if measured else 'tested'} here ({own_tests(here)})", f"{others}: {predicted}"]
     if here.out_of_line:
         words += ["out of line with the others: check it" if count == 1 else f"{here.out_of_line} out of line: check"]
     if count == 1 and not here.shots:
@@ -132,6 +126,21 @@ def tested_here(error: ModelError) -> list[str]:
     elif count > 1 and not here.confirmed:
         words += ["these tests do not agree"]
     return words
+
+
+def measured_here(here: TestsHere) -> str:
+    """Return the limits of the same armour that own tests measured, such as "703 ± 9 and 715 m/s"; "" without any."""
+    limits = [
+        f"{limit:.0f}{f' ± {deviation:.0f}' * bool(deviation)}"
+        for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
+    ]
+    return f"{joined(limits)} m/s" if limits else ""
+
+
+def own_tests(here: TestsHere) -> str:
+    """Return the numbers of own tests and shots at the same armour, such as "1 own test and 3 shots"."""
+    numbers = (len(here.limits_m_s), "own test"), (here.shots, "shot")
+    return " and ".join(counted(number, noun) for number, noun in numbers if number)
 
 
 def needed_flow_stress(needed: NeededFlowStress, *, likely: bool = True) -> str:

@@ -476,7 +476,7 @@ def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note,
         f"the yield strength of {listed(names)} is {strength}, but those of the tests of {armour} are {tested}, "
         f"which are usually {usually}; do not compare them as they are"
     )
-    return (Note(text, "armour.backing", said="detail"),)
+    return (Note(text, "armour.backing", said="detail", about=("strength", *names)),)
 
 
 def tensile_strength(metal: LibraryEntry) -> float:

@@ -31,7 +31,7 @@ from armour.scenario.library import (
     least_scatter,
     named_threats,
 )
-from armour.scenario.sections import FREE_TAG, LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
+from armour.scenario.sections import LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
 from armour.units import MM, US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -249,6 +249,8 @@ class Range(ThicknessSteps):
 
     min: ThicknessOrNone
     max: Annotated[ThicknessOrNone, above("min", or_equal=True)]
+    step: Positive = 0.1
+    """Distance between values."""
 
 
 def _above_zero(thickness: Any) -> Any:
@@ -316,20 +318,9 @@ def at_angle(impact: Impact) -> str:
     return f", {impact.obliquity_deg:g}° obliquity" if impact.obliquity_deg else ""
 
 
-class FreeRange(Section):
-    """Continuous range of thicknesses."""
-
-    min: ThicknessOrNone
-    """Least value."""
-    max: Annotated[Thickness, above("min")]
-    """Greatest value."""
-
-
 def _kind_of_range(value: object) -> str:
-    """Return the tag of the form in which thicknesses are given: a list, a range with a step or a continuous one."""
-    if not isinstance(value, dict | Range | FreeRange):
-        return LIST_TAG
-    return RANGE_TAG if "step" in dict(value) else FREE_TAG
+    """Return the tag of the form in which thicknesses are given: a list or a range."""
+    return RANGE_TAG if isinstance(value, dict | Range) else LIST_TAG
 
 
 def _listed(value: object) -> object:
@@ -338,9 +329,7 @@ def _listed(value: object) -> object:
 
 
 _Thicknesses = Annotated[
-    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)]
-    | Annotated[Range, Tag(RANGE_TAG)]
-    | Annotated[FreeRange, Tag(FREE_TAG)],
+    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)] | Annotated[Range, Tag(RANGE_TAG)],
     Discriminator(_kind_of_range),
 ]
 Thicknesses = Annotated[_Thicknesses, BeforeValidator(_listed, json_schema_input_type=ThicknessOrNone | _Thicknesses)]
@@ -352,7 +341,7 @@ class Layer(Section):
     material: str
     """Name of the ceramic or metal."""
     thickness_mm: Thicknesses
-    """Thicknesses to choose from: one, a list, a range with a step, or a range without a step for any value in it."""
+    """Thicknesses to choose from: one, a list, or a range, in steps of 0.1 mm unless it gives another."""
     cost_per_kg: Amount = 0.0
     """Cost per mass of the material, in any currency."""
     cost_per_m2: Amount = 0.0
@@ -366,17 +355,10 @@ class Layer(Section):
         """Return the cost of the layer per m²; 0 if its thickness is 0."""
         return self.cost_per_kg * density_kg_m3 * thickness_mm * MM + self.cost_per_m2 * (thickness_mm > 0.0)
 
-    def free_range(self) -> FreeRange | None:
-        """Return the continuous range of thicknesses; None if there is none."""
-        thickness = self.thickness_mm
-        return thickness if isinstance(thickness, FreeRange) and thickness.min < thickness.max else None
-
     def thicknesses(self) -> tuple[float, ...]:
-        """Return the thicknesses, mm, or the ends of a continuous range."""
+        """Return the thicknesses, mm."""
         if isinstance(self.thickness_mm, Range):
             return self.thickness_mm.values()
-        if isinstance(self.thickness_mm, FreeRange):
-            return (self.thickness_mm.min, self.thickness_mm.max)
         return tuple(sorted(set(self.thickness_mm)))
 
 

@@ -23,7 +23,7 @@ NUMBER = "value"
 # Least positive number: a smaller one is a mistake, and dividing by it may overflow.
 TINY = 1e-9
 # Tags by which pydantic tells apart the members of unions.
-TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG, FREE_TAG = ("<number>", "<text>", "<list>", "<range>", "<free>")
+TAGS = NUMBER_TAG, TEXT_TAG, LIST_TAG, RANGE_TAG = ("<number>", "<text>", "<list>", "<range>")
 NumberOrText = Annotated[
     Annotated[float, Tag(NUMBER_TAG)] | Annotated[str, Tag(TEXT_TAG)],
     Discriminator(lambda value: TEXT_TAG if isinstance(value, str) else NUMBER_TAG),

@@ -468,7 +468,7 @@ def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
         yield ONE_SIDED
     counts: Counter[str] = Counter()
     for group in tests.groups:
-        counts.update(dict(group.variants().outside_limits(velocities=False)))
+        counts.update(dict(group.variants().caveats()))
     for limit, count in counts.items():
         yield f"{limit}; this concerns {count} of {len(tests.names)} tests"
 

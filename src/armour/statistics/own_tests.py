@@ -15,7 +15,7 @@ from armour.errors import counted
 from armour.evidence.caveats import is_long_rod
 from armour.evidence.fit import law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
-from armour.evidence.tests import armours_of, is_outside, shipped_evidence
+from armour.evidence.tests import armours_of, is_outside, tests_of_tiles
 from armour.scenario import library
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
@@ -115,9 +115,9 @@ def unused(tests: Tests, role: str) -> list[str]:
     is_bare = q["ceramic_thickness_ratio"] == 0.0
     leave_out(is_bare & (role == "ceramic"), "it is of a bare plate")
     leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
-    evidence = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+    evidence = tests_of_tiles()
     if role == "backing":
-        held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence()]
+        held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence]
         evidence, holds = max(held, key=lambda pair: (pair[1] & (reasons[shots] == "")).sum())
         leave_out(~holds, "no shipped test is of such a plate and penetrator")
     longest_path = (1.0 + 1e-6) / cosine_of(evidence.obliquity_max_deg)
@@ -178,7 +178,7 @@ def _limits(variants: Variants, role: str, values: Mapping[str, float]) -> Float
 
 def _laws_of_plates(variants: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
     """Return the limits of bare plates by the strengths of their entry, for each fit to shipped tests of such."""
-    [(evidence, _)] = variants.armours.by_evidence()
+    [(evidence, _)] = variants.armours.by_evidence
     values = {key: float(f"{entry[key]:.7g}") for key in FITTED_KEYS["backing"]}
     computed = _rounded(_limits(variants, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)
@@ -191,7 +191,7 @@ def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) 
     `measured`, m/s, (n,), which are NaN for shots.  The level is then the mean and the standard deviation of the
     logarithm of a ratio: limits by the entry's own flow stress, which is uncertain, over limits by the fitted one.
     """
-    shipped = next(evidence for evidence in shipped_evidence() if evidence.ceramic)
+    shipped = tests_of_tiles()
     has_tests = (
         entry.origin == shipped.ceramic and not is_outside(shipped.kind[:2], variants.armours.quantities()).any()
     )

@@ -113,7 +113,7 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     return SensitivityResult(
         answers={answer: _number(values[0]) for answer, values in answers.items()},
         inputs=tuple(sorted(by_input, key=lambda item: -abs(item.elasticities[LIMIT] or 0.0))),
-        notes=scenario_warnings(scenario, scenario.impact.velocity_m_s),
+        notes=scenario_warnings(scenario),
     ).of(scenario.subject(), scenario=scenario)
 
 

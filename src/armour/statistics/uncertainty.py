@@ -168,7 +168,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         notes=(
             *_misplaced(section, scenario.inputs()),
             *([] if error or scenario.excludes_error() else [ERROR_UNKNOWN]),
-            *scenario_warnings(scenario, deterministic, "ballistic_limit"),
+            *scenario_warnings(scenario),
         ),
         model_error=error,
         perforated_by_distributions=perforated if error is None else None,

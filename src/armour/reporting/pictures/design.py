@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armour.design.catalogue import Catalogue, catalogue_of
-from armour.design.check import CheckedThreat, CheckResult, deciding
+from armour.design.check import CheckedThreat, CheckResult, deciding, shown_limit
 from armour.design.map import DesignMap, design_map, with_known_edges
 from armour.design.optimise import Design, DesignResult
 from armour.design.requirements import EVEN
@@ -207,9 +207,7 @@ def draw_check(result: CheckResult, sheet: drawing.Sheet) -> drawing.Picture:
     notes = ["Percentages: probability that the armour stops a shot.", *_caveats(deciding(result), result.notes)]
     picture = sheet.panels(headline(result), *heights, note=" ".join(notes))
     for axes, threat, what_ifs, changes in zip(picture.axes, result.threats, by_threat, names, strict=True):
-        limits = [
-            row.ballistic_limit_m_s if row.expected_limit_m_s is None else row.expected_limit_m_s for row in what_ifs
-        ]
+        limits = [shown_limit(row.ballistic_limit_m_s, row.expected_limit_m_s) for row in what_ifs]
         ends = {place: row.interval_m_s for place, row in enumerate(what_ifs) if row.interval_m_s is not None}
         name = "expected limit, 95 % interval" if ends else "limit by the model"
         drawing.rows(axes, changes, {name: limits, "velocity of the round": [row.velocity_m_s for row in what_ifs]})

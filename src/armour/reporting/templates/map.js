@@ -803,7 +803,7 @@ function drawNotes(pair) {
   const said = [
     DATA.answer.length && `As the scenario asks: ${DATA.answer.join("; ")}.`,
     pair.known && `Probabilities of ${pair.name} rest on: ${[...new Set(pair.tested.flatMap(tests => tests?.threats.map(each => each.source) ?? []))].filter(Boolean).join("; ")}.`,
-    `${pair.onOffer.length.toLocaleString("en")} designs of this pair are ${pair.free.some(Boolean) ? "shown" : "on offer, and exact"}; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
+    `${pair.onOffer.length.toLocaleString("en")} designs of this pair are on offer, and exact; lines between them are interpolated.${pair.coarser ? " To keep the page small, they are coarser than they could be." : ""}`,
     ...DATA.notes,
   ];
   $("notes").replaceChildren(...said.filter(Boolean).map(each => html("p", {}, each)));

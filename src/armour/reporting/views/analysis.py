@@ -90,7 +90,7 @@ def _limit_words(found: ConfidenceResult, outcome: str) -> str:
     The word "but" marks an expectation that contradicts the `outcome` by the model.
     """
     limit = "none found" if found.ballistic_limit_m_s is None else f"{found.ballistic_limit_m_s:.0f} m/s by the model"
-    reason = "" if phrases.said_of(found.notes, "not known") else found.reason.partition(";")[0]
+    reason = "" if phrases.said_of(found.notes, "not known") else found.reason
     if (probability := found.probability_of_stopping) is None:
         return "; ".join(filter(None, (limit, reason)))
     stops = f"stops a shot with {phrases.chance(probability, found.model_error)}"

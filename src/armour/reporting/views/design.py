@@ -7,11 +7,11 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from armour.design.against import Moved
-from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding
-from armour.design.optimise import Design, DesignOfFront, DesignResult, Pair, armour_in_words
+from armour.design.catalogue import MARGIN_COLUMN
+from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding, shown_limit
+from armour.design.optimise import Design, DesignResult, Pair, armour_in_words
 from armour.design.requirements import GOOD, VERDICTS, Verdict
 from armour.errors import counted
-from armour.evidence.tests import TOO_THIN
 from armour.reporting import words as phrases
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -47,15 +47,25 @@ def verdict_cell(result: CheckResult) -> str:
     return verdict_word(result.verdict) + ", one source" * (short and result.verdict == "not known")
 
 
+def _names_its_speed(threat: CheckedThreat) -> bool:
+    """Return whether a threat is called by its projectile and velocity, for want of another name."""
+    return threat.name == threat.projectile != threat.threat
+
+
 def at_speed(threat: CheckedThreat) -> str:
     """Return the name of a threat with its velocity."""
-    speed = f" at {threat.velocity_m_s:g} m/s"
-    return threat.threat if speed in threat.threat else threat.threat + speed
+    return threat.threat if _names_its_speed(threat) else f"{threat.threat} at {threat.velocity_m_s:g} m/s"
+
+
+def without_speed(threat: CheckedThreat) -> str:
+    """Return the name of a threat without its velocity, but with its angle."""
+    angle = f", {threat.obliquity_deg:g}° obliquity" if threat.obliquity_deg else ""
+    return threat.name + angle if _names_its_speed(threat) else threat.threat
 
 
 def limit_text(threat: CheckedThreat) -> str:
     """Return the expected limit or, where no tests tell, that by the model, m/s, beside the velocity required."""
-    shown = threat.ballistic_limit_m_s if threat.expected_limit_m_s is None else threat.expected_limit_m_s
+    shown = shown_limit(threat.ballistic_limit_m_s, threat.expected_limit_m_s)
     return "none found" if shown is None else beside(shown, threat.velocity_m_s + threat.required_margin_m_s, 0)
 
 
@@ -91,8 +101,7 @@ def reasons(threat: CheckedThreat) -> str:
         return f"{name}, {limit}"
     is_stopped = threat.verdict != "fails" and (threat.margin_m_s is None or threat.margin_m_s >= 0.0)
     by_model = f"{name} {'is stopped' if is_stopped else 'perforates'} by the model, {limit}"
-    reason = threat.reason.partition(";")[0].partition(", which are of")[0]  # `far_from_tests` has what was tested
-    return f"{reason}; {by_model}" if threat.verdict == "not known" else by_model
+    return f"{threat.reason}; {by_model}" if threat.verdict == "not known" else by_model
 
 
 def _required(threat: CheckedThreat) -> str:
@@ -144,7 +153,7 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         shown.append(
             Table.of(
                 result.threats,
-                (Column("threat", prose=True), lambda each: each.threat.replace(f" at {each.velocity_m_s:g} m/s", "")),
+                (Column("threat", prose=True), without_speed),
                 Column.of("velocity_m_s", ".0f", "speed"),
                 (LIMIT, lambda each: limit_text(each) + " by the model" * (each.expected_limit_m_s is None)),
                 (STOPS, chance_text),
@@ -162,11 +171,9 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         }
     rows["within 1 %"] = also
     shown.append(Table.of_facts(rows))
-    thin = [note.text for note in result.notes if note.about[:1] == (TOO_THIN,)]
     if _is_modelled(threat):
         shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
-        thin = [] if any(" mm tile (tested " in each for each in threat.far_from_tests) else thin
-    return [*shown, *thin, *phrases.said_of(result.notes)]
+    return [*shown, *phrases.said_of(result.notes)]
 
 
 def _is_modelled(threat: CheckedThreat) -> bool:
@@ -190,9 +197,8 @@ def tests_words(threat: CheckedThreat) -> str:
     error = threat.model_error
     if error is None:
         return ""
-    if error.tests_here is not None:
-        first, *_ = phrases.tested_here(error)
-        return first.removeprefix("measured ").replace(" here", " on this very armour")
+    if (here := error.tests_here) is not None:
+        return f"{phrases.measured_here(here) or 'tested'} on this very armour ({phrases.own_tests(here)})"
     return error.source.replace(" tests", "", 1)
 
 
@@ -481,7 +487,8 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
     if _every_row(result):
         if result.frontier:
             shown.append(designs_table(result.frontier, "thinnest tile that holds on each plate"))
-        shown += [designs_table(result.pareto, "Pareto front")] if result.pareto else []
+        margin = [MARGIN] * (MARGIN_COLUMN in result.criteria)
+        shown += [designs_table(result.pareto, "Pareto front", *margin)] if result.pareto else []
         shown.append(f"{counted(result.designs, 'design')} computed")
     return shown
 
@@ -516,9 +523,8 @@ def pair_table(result: DesignResult) -> list[Table | str]:
     return [table, *_by_model(checks), *[METALS] * (len(metals) > 1), *of_others]
 
 
-def designs_table(designs: Sequence[Design], title: str) -> Table:
-    """Tabulate designs in a row each."""
-    margin = [MARGIN] * isinstance(designs[0], DesignOfFront)
+def designs_table(designs: Sequence[Design], title: str, *margin: Column) -> Table:
+    """Tabulate designs in a row each; `margin` is the column of the margin where it is a criterion."""
     armour: Source = Column("armour", prose=True), armour_in_words
     columns = armour, AREAL_DENSITY, THICKNESS, COST, *margin, FAR
     return Table.of(designs, *columns, title=title, rest="--csv FILE")

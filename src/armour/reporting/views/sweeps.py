@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from armour.analysis.variants import row_of
+from armour.design.check import shown_limit
 from armour.errors import counted
 from armour.evidence.tests import far_from_tests
 from armour.reporting import words as phrases
@@ -66,15 +67,16 @@ def _known(value: float) -> float | None:
 
 def _limit(row: Mapping[str, Any], scenario: Scenario) -> str:
     """Return the expected limit, or that by the model with a mark, m/s, beside the velocity; "none" without one."""
-    shown, mark = (row[MODEL], "*") if _known(row[EXPECTED]) is None else (row[EXPECTED], "")
-    return "none" if _known(shown) is None else beside(shown, scenario.impact.velocity_m_s, 0) + mark
+    by_model, expected = _known(row[MODEL]), _known(row[EXPECTED])
+    shown, mark = shown_limit(by_model, expected), "*" * (expected is None)
+    return "none" if shown is None else beside(shown, scenario.impact.velocity_m_s, 0) + mark
 
 
 def _far(scenario: Scenario, *, every_threat: bool) -> str:
     """Return in what an armour and its impact, or every threat, are far from the tests, without what was tested."""
     cases = map(scenario.against, scenario.threats()) if every_threat else [scenario]
-    words = (each for case in cases for each in far_from_tests(case, row_of(case).armours))
-    return ", ".join(dict.fromkeys(each.partition(" (")[0] for each in words))
+    far = (each for case in cases for each in far_from_tests(case, row_of(case).armours))
+    return ", ".join(dict.fromkeys(each.found for each in far))
 
 
 def is_number(values: Any) -> bool:
