@@ -37,6 +37,7 @@ check: $(VENV)/developing
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m tools.budget
 
 # Build the site of the documentation in site/, strictly; `make site && .venv/bin/mkdocs serve` shows it.
 site: $(VENV)/developing
@@ -48,20 +49,17 @@ format: $(VENV)/developing
 
 # Write the generated pages and pictures of docs/.
 docs: $(VENV)/developing
-	$(BIN)/python -m tools.rivals
-	$(BIN)/armour validate plates --markdown docs/evidence/plates.md --force
+	$(BIN)/python -m tools.lists
+	$(BIN)/python -m tools.published
 	$(BIN)/python tools/notebook.py docs/study.ipynb
-	$(BIN)/python tools/drawings.py
-	$(BIN)/python -m tools.lessons
-	$(BIN)/python -m tools.home
-	$(BIN)/python -m tools.readings
+	$(BIN)/python -m tools.pictures
 	$(BIN)/python -m tests.cli.test_docs
 	$(BIN)/armour figures docs/figures --force
 	rm docs/figures/*.csv
 
-# Run the benchmarks and write docs/performance.md: some minutes.
+# Run the benchmarks and write the tables of docs/performance.md: some minutes.
 bench: $(VENV)/developing
-	$(BIN)/python -m tools.benchmarks.report docs/performance.md
+	$(BIN)/python -m tools.benchmarks
 
 # Measure which lines and branches the tests run; less than 97 % fails.
 coverage: $(VENV)/developing

@@ -89,19 +89,11 @@ GROUPS = {
 }
 
 
-class Pair(NamedTuple):
-    """A plate that was tested at an angle and, within 2 % of the thickness, at normal incidence, in one report."""
+def matched_pairs() -> list[tuple[float, float]]:
+    """Return angles of limits, degrees, and the limits over the greatest at normal incidence.
 
-    plate: str
-    round: str
-    thickness_mm: float
-    obliquity_deg: float
-    limit_m_s: float
-    at_normal_m_s: float  # the greatest
-
-
-def matched_pairs() -> list[Pair]:
-    """Return the plates that were tested both at an angle and at normal incidence."""
+    Both are of a plate and round of one report, with thicknesses within 2 %.
+    """
     with (ROOT / "scenarios" / "tests" / "plates.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     numbers = [[float(row[name]) for name in (BACKING, OBLIQUITY, "ballistic_limit_m_s")] for row in rows]
@@ -114,7 +106,7 @@ def matched_pairs() -> list[Pair]:
             if all(other[name] == row[name] for name in ("plate", "round", "report"))
         ]
         if angle and normal:
-            found.append(Pair(row["plate"], row["round"], thickness, angle, limit, max(normal)))
+            found.append((angle, limit / max(normal)))
     return found
 
 

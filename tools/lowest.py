@@ -1,7 +1,6 @@
 """Print the lowest versions that pyproject.toml allows, as constraints for pip."""
 
 import re
-import sys
 import tomllib
 from itertools import chain
 from pathlib import Path
@@ -9,6 +8,5 @@ from pathlib import Path
 project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
 for requirement in chain(project["dependencies"], *project["optional-dependencies"].values()):
     found = re.fullmatch(r"([\w-]+)>=([\d.]+)(; python_version < '[\d.]+')?", requirement)
-    if found is None:
-        sys.exit(f"pyproject.toml: {requirement}: must be a name, >=, the lowest version and perhaps a marker")
+    assert found, f"pyproject.toml: {requirement}: must be a name, >=, the lowest version and perhaps a marker"
     print(f"{found[1]}=={found[2]}")

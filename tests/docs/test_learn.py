@@ -41,14 +41,7 @@ def test_every_number_of_a_page_is_in_an_example_that_is_run(page: Path):
 
 
 def test_the_pictures_are_those_of_the_program():
-    from tools import lessons
+    from tools import pictures
 
-    for name in ("dwell", "erosion", "limits", "plug", "thickness"):
-        assert getattr(lessons, name)() == (DOCS / "images" / f"{name}.svg").read_text(), "run python -m tools.lessons"
-
-
-def test_the_pictures_of_the_home_page_are_those_of_the_program():
-    from tools import home
-
-    for name in ("answer", "design", "check", "impact", "v50", "learn", "judge"):
-        assert getattr(home, name)() == (DOCS / "images" / f"home-{name}.svg").read_text(), "run python -m tools.home"
+    for name, drawing in pictures.PICTURES.items():
+        assert drawing() == (DOCS / "images" / f"{name}.svg").read_text(), "run python -m tools.pictures"

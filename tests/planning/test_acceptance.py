@@ -18,7 +18,7 @@ from armour.planning.procedures import (
 )
 from armour.statistics.posterior import FiringPrior
 from armour.statistics.v50 import Shots
-from tools.experiments.firings import requirement
+from tools.campaigns.firings import requirement
 
 pytestmark = pytest.mark.slow
 

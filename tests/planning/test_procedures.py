@@ -25,7 +25,7 @@ from armour.planning.procedures import (
 from armour.statistics.posterior import GRID_NODES, FiringPrior, Posterior, posterior_of
 from armour.statistics.v50 import Shots
 from tests.helpers.known import known
-from tools.experiments.firings import simulate
+from tools.campaigns.firings import simulate
 
 pytestmark = pytest.mark.slow
 

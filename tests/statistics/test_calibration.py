@@ -29,7 +29,7 @@ from armour.statistics.measured import LIMIT, read_tests
 from tests.helpers.cases import TESTS, csv_file, scenario, shipped_scenario
 from tests.helpers.fits import fitted, table_of
 from tests.helpers.known import known
-from tools.experiments.calibrations import Table
+from tools.campaigns.calibrations import Table
 
 pytestmark = pytest.mark.slow
 

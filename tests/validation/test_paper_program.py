@@ -7,10 +7,9 @@ import pytest
 from armour.analysis.ballistic_limit import confidence
 from armour.validation.questions import Subject, answer
 from armour.validation.suite import Case, load_suite
-from armour.validation.validate import Check, SuiteResult, validate
+from armour.validation.validate import SuiteResult, validate
 from tests.helpers.cases import shipped_scenario
 from tests.helpers.suites import of_paper
-from tools.readings import TABLE_3, chi_square, deviation_of
 
 pytestmark = pytest.mark.slow
 
@@ -52,19 +51,6 @@ def test_all_is_within_the_bands(results: dict[str, SuiteResult]):
     assert [results[name].passed for name in (PROGRAM, ONE_FLOW_STRESS)] == [True, True]
 
 
-def of_table_3(result: SuiteResult) -> list[Check]:
-    return [check for check in result.checks if check.case.group in TABLE_3]
-
-
-def test_chi_square_is_less_than_half_and_less_than_a_quarter_of_the_default(results: dict[str, SuiteResult]):
-    default, program = (chi_square(results[name].checks) for name in ("paper", PROGRAM))
-    # Table 3 is of 6061-T6, whose flow stress is the same.
-    one_flow_stress = chi_square([*of_table_3(results[PROGRAM]), *results[ONE_FLOW_STRESS].checks])
-    assert sum(deviation_of(check.case) is not None for check in results["paper"].checks) == 42
-    assert program < 0.45 * default
-    assert one_flow_stress < 0.225 * default
-
-
 def test_the_lightest_against_the_medium_round_is_that_of_the_paper(results: dict[str, SuiteResult]):
     [check] = [
         check
@@ -72,6 +58,24 @@ def test_the_lightest_against_the_medium_round_is_that_of_the_paper(results: dic
         if check.case.name == "lightest against the 25 mm APDS: areal density"
     ]
     assert check.deviation_percent == pytest.approx(0.0, abs=0.5)
+
+
+TABLE_3 = ("table 3, the paper's program, 3.8 GPa", "table 3, the paper's program, 5.2 GPa")
+# By what a printed limit is weighted, m/s.
+DEVIATIONS = {
+    **dict.fromkeys((*TABLE_3, "the paper's lightest against the 7.62 mm AP: ballistic limit"), 2.0),
+    "the paper's lightest against the 25 mm APDS: ballistic limit": 4.0,
+    "Al-N on 7075-T6, equal thicknesses: ballistic limit of 41.5 mm on 41.5 mm": 10.0,
+    "AD99.5 on 35 mm 7075-T6: ballistic limit of 58 mm": 6.0,
+    "29.2 mm AD85 on 30 mm 5083-H3: ballistic limit": 30.0,
+    "21.3 mm AD99.5 on 30 mm 5083-H3: ballistic limit": 30.0,
+}
+
+
+def deviation_of(case: Case) -> float | None:
+    if case.quantity.endswith("_lost_percent"):
+        return 1.0
+    return DEVIATIONS.get(case.group or case.name) if case.measured is None else None
 
 
 SHEAR, DIAMETER = "backing.shear_strength_MPa", "projectile.penetrator_diameter_mm"
@@ -91,9 +95,12 @@ def test_the_fitted_numbers_fit_best(suite: str, name: str, step: float):
     ]
 
     def misfit(change: float) -> float:
-        changed = [case.scenario.with_inputs({name: case.scenario.inputs()[name] + change}) for case in cases]
-        pairs = zip(cases, changed, strict=True)
-        return chi_square(Check(case, answer(case.quantity, Subject(scenario)), "within") for case, scenario in pairs)
+        total = 0.0
+        for case in cases:
+            changed = case.scenario.with_inputs({name: case.scenario.inputs()[name] + change})
+            off = float(answer(case.quantity, Subject(changed))) - float(case.expected or 0.0)
+            total += (off / (deviation_of(case) or 1.0)) ** 2
+        return total
 
     assert misfit(0.0) < min(misfit(-step), misfit(step))
 

@@ -28,25 +28,21 @@ def run(name: str) -> list[str]:
     """Run a campaign, show what it prints, and return its results as cells of the page."""
     program, *options = name.split()
     results = []
-    command = [sys.executable, "-m", f"tools.campaigns.{program}", *options]
+    code = f"import sys; from tools.campaigns.{program} import main; sys.exit(main())"
+    command = [sys.executable, "-c", code, *options]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
             print(f"{name}: {line}", end="", flush=True)
             results += [line.removeprefix(RESULT).strip()] if line.startswith(RESULT) else []
         _, status, usage = os.wait4(process.pid, 0)
-        code = process.returncode = os.waitstatus_to_exitcode(status)
-    ending = ENDINGS.get(code, f"**ended with exit code {code}**")
+        ended = process.returncode = os.waitstatus_to_exitcode(status)
+    ending = ENDINGS.get(ended, f"**ended with exit code {ended}**")
     minutes = f"{(usage.ru_utime + usage.ru_stime) / 60.0:.1f}"
-    version = f"{__version__}, {MODEL_VERSION}, {commit()}, {datetime.now(UTC):%Y-%m-%d}"
+    last_change = ["git", "log", "-1", "--format=%h", "--", "src", "configs"]
+    commit = subprocess.check_output(last_change, cwd=ROOT, text=True).strip()
+    version = f"{__version__}, {MODEL_VERSION}, {commit}, {datetime.now(UTC):%Y-%m-%d}"
     return ["; ".join(results), ending, minutes, version]
-
-
-def commit() -> str:
-    """Return the commit, and whether the program was changed after it."""
-    revision = subprocess.check_output(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True).strip()
-    difference = subprocess.run(["git", "diff", "--quiet", "HEAD", "--", "src", "configs"], cwd=ROOT, check=False)
-    return f"{revision}, changed" if difference.returncode else revision
 
 
 def write(name: str, cells: list[str]) -> None:

@@ -1,32 +1,30 @@
 """Count how often the intervals that the commands state contain the truth, in simulated tests.
 
-    python -m tools.campaigns.coverage [EXPERIMENT]... [--samples N] [--seed N]
+    python -m tools.campaigns "coverage curves --samples 100"
 
-runs the named experiments of `tools/experiments`, by default all.
+runs an experiment; without a name, all.
 """
 
-import argparse
-import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from math import sqrt
 
-from tools.campaigns.verdict import verdict
-from tools.experiments import calibrations, curves, firings, lots, uncertainty
-from tools.experiments.share import Share
+from tools.campaigns import calibrations, curves, firings, uncertainties
+from tools.campaigns.verdict import Share, asked, verdict
 
 # Simulations that count shares, given the samples of a case and a seed, and their usual numbers of samples.
 EXPERIMENTS: dict[str, tuple[Callable[[int, int], Iterator[Share]], int]] = {
-    "curves": (curves.shares, 1000),
-    "wide_curves": (curves.wide_shares, 300),
-    "lots": (lots.shares, 2000),
+    "curves": (partial(curves.shares, curves.CURVES), 1000),
+    "wide_curves": (partial(curves.shares, curves.WIDE), 300),
+    "lots": (curves.lots, 2000),
     "calibrations": (calibrations.shares, 300),
-    "uncertainty": (uncertainty.shares, 200),
+    "uncertainty": (uncertainties.shares, 200),
     "firings": (firings.shares, 250),
     "requirements": (firings.decisions, 250),
 }
 
 
-def run(name: str, samples: int | None, seed: int) -> int:
+def run(name: str, samples: int, seed: int) -> int:
     """Run an experiment and print its shares; the exit code is 3 if one is less than it must be."""
     (shares, usual), judged = EXPERIMENTS[name], []
     for share in shares(samples or usual, seed):
@@ -40,13 +38,5 @@ def run(name: str, samples: int | None, seed: int) -> int:
 
 def main() -> int:
     """Run experiments; the exit code is 3 if a share is less than it must be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("experiments", nargs="*", metavar="EXPERIMENT", help=", ".join(EXPERIMENTS))
-    parser.add_argument("--samples", type=int, help="of each case")
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    return max(run(name, options.samples, options.seed) for name in options.experiments or EXPERIMENTS)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    options = asked(__doc__, samples=0, seed=1)
+    return max(run(name, options.samples, options.seed) for name in options.words or EXPERIMENTS)

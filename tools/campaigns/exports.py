@@ -1,13 +1,12 @@
 """Read random tables of shots as spreadsheets of three languages write them, and compare with what they hold.
 
-    python -m tools.campaigns.exports [--tables N] [--seed N]
+    python -m tools.campaigns exports
 
 A table is read, or read with its remarks quoted, or refused as a column divides its shots; it is then right once this
 column is chosen by or ignored. One that is read to other numbers, results or rows is wrong, and so is a remark by which
 a shot does not count, if it is not quoted.
 """
 
-import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
@@ -27,8 +26,6 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="campaign-") as folder:
         for _ in range(options.tables):
             counts[export(dice).ends(Path(folder) / "shots.csv")] += 1
-    for ending, count in counts.most_common():
-        print(f"{count} {ending}", flush=True)
     endings = ("read", "quoted", "refused", "asked")
     wrong = options.tables - sum(counts[ending] for ending in endings)
     shares = ("read", "with remarks quoted", "refused with cause", "right after `--ignore`")
@@ -36,7 +33,3 @@ def main() -> int:
     text = f"{options.tables:,} tables: {words}, {wrong} wrong"
     is_enough = counts["read"] + counts["quoted"] >= LEAST_READ * options.tables
     return verdict(text, right=not wrong and is_enough)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """Run commands in hostile folders, drawn at random: nothing in the folder is run, obeyed or overwritten.
 
-    python -m tools.campaigns.folder [--trials N] [--seed N]
+    python -m tools.campaigns folder
 
 A folder has modules with the names of what Python and the installed distributions import, files that programs and
 shells read as settings, links to files of the user, stores of unfinished sweeps and names that look like options.  The
@@ -14,8 +14,7 @@ import re
 import shlex
 import subprocess
 import sys
-import tempfile
-from collections import Counter
+from collections.abc import Iterator
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import packages_distributions
@@ -23,7 +22,8 @@ from pathlib import Path
 from random import Random
 
 from armour.cli.app import COMMANDS, told
-from tools.campaigns.verdict import asked, verdict
+from tools.campaigns.trials import WRONG, run
+from tools.campaigns.verdict import asked
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(sys.executable).parent
@@ -32,16 +32,10 @@ NAMES = ("armour", "cat", "chromium", "git", "latex", "ldconfig", "less", "pytho
 # Settings by file, all of which would run or change something: {ran} is a file to leave, {keys} one of the user's.
 SETTINGS = {
     ".env": "PYTHONPATH=.\n",
-    ".pdbrc": "import os; os.system('touch {ran}')\n",
-    ".python-version": "2.7\n",
-    "dask.yaml": "temporary-directory: {keys}\n",
-    "distributed.yaml": "distributed: {{worker: {{preload: [pip]}}}}\n",
     "matplotlibrc": "backend: module://pip\ntext.usetex: True\nsavefig.format: xyz\n",
     "pip.conf": "[global]\nindex-url = file:///nowhere\n",
     "pyproject.toml": '[tool.coverage.run]\nplugins = ["pip"]\n[build-system]\nrequires = ["pip"]\n',
-    "pytest.ini": "[pytest]\naddopts = -p pip\n",
     "pyvenv.cfg": "home = /nowhere\n",
-    "setup.cfg": "[tool:pytest]\naddopts = -p pip\n",
     "armour.toml": "[solver]\ntime_step_us = 50\n",
     "x.pth": "import os; os.system('touch {ran}')\n",
     "wilkins": "not a scenario\n",
@@ -103,7 +97,7 @@ def contents(folder: Path) -> dict[str, str]:
     return found
 
 
-def run(words: list[str], folder: Path, home: Path) -> tuple[int, str]:
+def ended(words: list[str], folder: Path, home: Path) -> tuple[int, str]:
     """Run a command in a folder, and return its exit code and what it says."""
     program = sys.executable if words[0] == "python" else str(PROGRAMS / words[0])
     env = {"PATH": f"{PROGRAMS}:/usr/bin:/bin", "HOME": str(home), "XDG_CACHE_HOME": os.environ["XDG_CACHE_HOME"]}
@@ -124,36 +118,29 @@ def trial(place: Path, dice: Random, answers: dict[str, tuple[int, str]]) -> str
     names = [path.name for path in folder.iterdir() if path.suffix == ".toml"] or ["wilkins"]
     words = [dice.choice(names) if word == "{scenario}" else word for word in shlex.split(command)]
     before = contents(folder) | contents(home)
-    code, said = run(words, folder, home)
+    code, said = ended(words, folder, home)
     after = contents(folder) | contents(home)
     if left := [*ran.iterdir()]:
-        return f"wrong: {left[0].name} was run by {command}"
+        return f"{WRONG}: {left[0].name} was run by {command}"
     if changed := [path for path, content in before.items() if after.get(path) != content]:
-        return f"wrong: {Path(changed[0]).name} changed by {command}"
+        return f"{WRONG}: {Path(changed[0]).name} changed by {command}"
     if "Traceback" in said or code not in (0, 1, 2, 3):
-        return f"wrong: exit code {code} of {command}: {said[-300:]}"
+        return f"{WRONG}: exit code {code} of {command}: {said[-300:]}"
     if code == 2 or "{scenario}" in command:
         return "refused, or a scenario of the folder"
     if command not in answers:
-        answers[command] = run(words, empty, home)
+        answers[command] = ended(words, empty, home)
     same = answers[command] == (code, said)
-    return "the same as in an empty folder" if same else f"wrong: another answer of {command}"
+    return "the same as in an empty folder" if same else f"{WRONG}: another answer of {command}"
 
 
 def main() -> int:
     """Print how the trials ended."""
-    options = asked(__doc__, trials=1_000, seed=11)
+    options, answers = asked(__doc__, trials=1_000, seed=11), dict[str, tuple[int, str]]()
     os.environ.setdefault("XDG_CACHE_HOME", str(Path.home() / ".cache"))
-    counts, answers = Counter[str](), dict[str, tuple[int, str]]()
-    with tempfile.TemporaryDirectory(prefix="campaign-") as folder:
+
+    def folders(place: Path) -> Iterator[str]:
         for number in range(options.trials):
-            counts[trial(Path(folder) / str(number), Random(f"{options.seed} {number}"), answers)] += 1
-    for ending, count in counts.most_common():
-        print(f"{count} {ending}", flush=True)
-    wrong = sum(count for ending, count in counts.items() if ending.startswith("wrong"))
-    same = counts["the same as in an empty folder"]
-    return verdict(f"{options.trials:,} trials, {same} of them to the end: {wrong} wrong", right=not wrong)
+            yield trial(place / str(number), Random(f"{options.seed} {number}"), answers)
 
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return run(folders)

@@ -1,24 +1,19 @@
 """Run every command, with every option, on mutated inputs and report what no command may do.
 
-A command may end with exit codes 0 to 3 only, or 130 where it is interrupted, within 60 s of computing on all cores
-and 1 GiB; it prints no traceback, answers and files contain no NaN or infinity, and a command that fails leaves no
-file.
+A command may end with exit codes 0 to 3 only, within 60 s of computing on all cores and 1 GiB; it prints no traceback,
+answers and files contain no NaN or infinity, and a command that fails leaves no file.
 
-    python -m tools.campaigns.inputs --trials 20000 --seed 1
+    python -m tools.campaigns inputs
 
-The commands and their options are those of the program; one without a value in `VALUES` ends the campaign.
+The commands and their options are those of the program.
 """
 
-import argparse
 import codecs
 import csv
-import gc
 import json
 import os
 import random
 import re
-import resource
-import select
 import signal
 import sys
 import tempfile
@@ -40,18 +35,21 @@ import typer
 from armour.engine.batch import available_cores
 from armour.reporting.junit import BEGINNING
 from tests.helpers.spreadsheets import export
+from tools.budget import commands
 from tools.campaigns.trials import ERROR, forked
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 ROOT = Path(__file__).resolve().parents[2]
 # Time of computing on all cores, and any.
-LIMIT_S, HANGING_S = 60.0, 600.0
+LIMIT_S, HANGING_S = 60.0, 600
 LIMIT_MIB = 1024.0
-DONE, NO_ANSWER, WRONG_INPUT, CHECK_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-# How outputs end that do not end with a line, and characters told of a traceback.
-ENDS, TOLD = {".parquet": b"PAR1", ".png": b"IEND\xaeB`\x82"}, 3000
-# Parts of the trials that are gentle, that read the scenario from standard input, and that are interrupted.
-GENTLE, PIPED, STOPPED = 0.6, 0.05, 0.03
+DONE, NO_ANSWER, WRONG_INPUT, CHECK_FAILED = 0, 1, 2, 3
+# In a cell or after a key, and in the data of a map or of JSON; in a table of CSV.
+_DATA = r"[>|=] *-?(nan|inf)\b|(?:[\[,]|\x22:) ?-?(NaN|Infinity)[,\]}]"
+NOT_A_NUMBER = dict.fromkeys((".html", ".md", ".toml", ".json", ".ipynb"), _DATA)
+NOT_A_NUMBER |= {".csv": r"(?im)(?:^|,) *-?(nan|inf|infinity) *(?:,|$)"}
+# Parts of the trials that are gentle, and that read the scenario from standard input.
+GENTLE, PIPED = 0.6, 0.05
 
 SCENARIOS = sorted({*ROOT.glob("scenarios/**/*.toml")} - {*ROOT.glob("scenarios/templates/*")})
 NAMED = {path.relative_to(ROOT / "scenarios").with_suffix("").as_posix(): path for path in SCENARIOS}
@@ -86,14 +84,17 @@ ASSIGNMENTS = [
 ]
 
 
+# What a signal that ends a trial says.
+SIGNALS = {-signal.SIGPROF: f"longer than {LIMIT_S:g} s", -signal.SIGALRM: f"longer than {HANGING_S} s"}
+
+
 class Trial(NamedTuple):
-    """A command line, its input files by name, what it reads from standard input, and when it is interrupted, s."""
+    """A command line, its input files by name, and what it reads from standard input."""
 
     command: str
     arguments: list[str]
     files: dict[str, bytes]
     stdin: bytes
-    interrupted_s: float  # 0 if it is not
 
 
 class Outcome(NamedTuple):
@@ -287,89 +288,76 @@ class Maker:
         """Return a number."""
         return self.among(round(self.dice.uniform(low, high), self.dice.choice([0, 2, 15])))
 
+    def value(self, name: str, kind: str) -> str:
+        """Return a value of an option or argument, given what the help calls the value."""
+        if make := VALUES.get(name) or VALUES.get(kind):
+            return make(self)
+        if name not in WORDS and kind == "NUMBER":
+            return self.between(*next(ends for part, ends in RANGES.items() if re.search(part, name)))
+        if name in FILES or kind == "FILE":
+            return self.written(*FILES.get(name, (f"{name.strip('-')}.csv",)))
+        return self.among(*WORDS.get(name, TEXTS))
+
     def words(self) -> Iterator[str]:
         """Yield the words of the command line."""
         yield from self.command.split()
         for param in COMMANDS[self.command]:
             name, often = param.opts[-1 if param.opts[-1].startswith("--") else 0], 1.0 if param.required else 0.2
-            if not param.required and self.dice.random() > OFTEN.get(f"{self.command} {name}", OFTEN.get(name, often)):
+            if not param.required and self.dice.random() > OFTEN.get(name, often):
                 continue
             if param.is_flag if isinstance(param, typer.core.TyperOption) else False:
                 yield name
                 continue
-            make = VALUES.get(f"{self.command} {name}") or VALUES[name]
             for _ in range(self.dice.choice([1, 1, 2]) if param.multiple else 1):
-                found = make(self).replace("\0", "").encode(errors="replace").decode()
+                found = self.value(name, param.metavar or "").replace("\0", "").encode(errors="replace").decode()
                 yield from [name, found] if name.startswith("-") else [found]
 
 
-def leaves(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, list[Any]]]:
-    """Yield the commands that are no groups, with their parameters."""
-    for name, inner in getattr(command, "commands", {}).items():
-        yield from leaves(inner, (*path, name))
-    if not hasattr(command, "commands"):
-        yield " ".join(path), list(command.params)
-
-
-def ends(low: float, high: float) -> Callable[[Maker], str]:
-    """Return a maker of numbers between ends."""
-    return lambda maker: maker.between(low, high)
-
-
-def of(*some: object) -> Callable[[Maker], str]:
-    """Return a maker of some words or numbers."""
-    return lambda maker: maker.among(*some)
-
-
-def to(*names: str) -> Callable[[Maker], str]:
-    """Return a maker of names of files to write."""
-    return lambda maker: maker.written(*names)
-
-
-def each(make: Callable[..., Callable[[Maker], str]], some: dict[str, Any]) -> dict[str, Callable[[Maker], str]]:
-    """Return makers by the name of their option, given what each is made of."""
-    return {name: make(*words) for name, words in some.items()}
-
-
-# Values of the parameters, by the name of an option or an argument, perhaps with its command.
+# Values of the parameters, by the name of an option or by what the help calls it.
 VALUES: dict[str, Callable[[Maker], str]] = {
-    "scenario": Maker.scenario,
-    "source": lambda maker: maker.scenario() if maker.dice.random() < 0.7 else maker.suite(),
-    "suite": Maker.suite,
-    "table": Maker.shots,
-    "calibrate table": Maker.tests,
-    "--lot": of("2026-03", *TEXTS),
-    "words": of(*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1", "metals", "7.62"),
-    "file": to("n.toml", "n.csv", "n.ipynb", "no/n.toml"),
-    "folder": to("new", "."),
-    "--set": Maker.assignment,
-    "report --output": to("r.html", "r.md"),
-    "--over": Maker.values,
+    "SCENARIO": Maker.scenario,
+    "SCENARIO|SUITE": lambda maker: maker.scenario() if maker.dice.random() < 0.7 else maker.suite(),
+    "SUITE": Maker.suite,
+    "SHOTS": Maker.shots,
+    "TESTS": Maker.tests,
+    "KEY=VALUE": Maker.assignment,
+    "KEY=VALUES": Maker.values,
     "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
-    "--keep": of("offer", *TEXTS),
-    "--where": of("panel=A", "panel=1", "remark=x", "x", *TEXTS),
-    "--sheet": of("Sheet1", *TEXTS),
-    "--from": of("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
-    **each(to, {"--plot": ("p.svg", "p.svg", "p.png", "p.pdf"), "--history": ("h.csv",), "--junit": ("j.xml",)}),
-    **each(to, {"--csv": ("f.csv",), "--map": ("m.html",), "--markdown": ("v.md",), "--write": ("w.toml",)}),
-    **each(to, {"--write-scenario": ("fitted.toml",), "--output": ("o.csv", "o.csv", "o.parquet")}),
-    **each(of, {"--scheduler": ("x", "tcp://", "x:y:z"), "--samples": (128, 256, 1024, "512")}),
-    **each(of, {"--only": ("fig09", "fig10", "x", "7.62"), "--format": ("png", "svg")}),
-    **each(of, {"--fit": ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3")}),
-    **each(of, {"--law": ("constant", "ceramic", "backing", "product", "linear"), "--pairs": (1, 2, 3, 5)}),
-    **each(of, {"--procedure": ("bayesian", "neyer", "langlie", "up-and-down")}),
-    **each(of, {"--result": ("partial", "complete", "p", "cp")}),
-    **each(ends, {"--velocity": (300.0, 1500.0), "--confidence": (0.5, 0.999), "--span-m-s": (10.0, 60.0)}),
-    **each(ends, {"--half-width-m-s": (5.0, 60.0), "--requirement-m-s": (500.0, 1000.0)}),
-    **each(ends, {"--requirement-fraction": (0.01, 0.9), "--scatter-percent": (0.5, 8.0)}),
-    **each(ends, {"--scatter-factor": (1.1, 4.0), "--lower-m-s": (300.0, 700.0), "--upper-m-s": (800.0, 1500.0)}),
-    **each(ends, {"--velocity-m-s": (500.0, 1000.0)}),
-    **each(ends, {"--at-m-s": (500.0, 1000.0), "--fraction": (0.01, 0.99)}),
+}
+WORDS: dict[str, tuple[object, ...]] = {
+    "words": (*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1", "metals", "7.62"),
+    "--keep": ("offer", *TEXTS),
+    "--where": ("panel=A", "panel=1", "remark=x", "x", *TEXTS),
+    "--sheet": ("Sheet1", *TEXTS),
+    "--from": ("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
+    "--samples": (128, 256, 1024, "512"),
+    "--only": ("fig09", "fig10", "x", "7.62"),
+    "--fit": ("ceramic.flow_stress_GPa", "backing.flow_stress_GPa", "projectile.density_kg_m3"),
+    "--law": ("constant", "ceramic", "backing", "product", "linear"),
+    "--procedure": ("bayesian", "neyer", "langlie", "up-and-down"),
+    "--result": ("partial", "complete", "p", "cp"),
+}
+# Ends of numbers, by a part of the name of the option.
+RANGES = {"fraction|probability|confidence": (0.01, 0.999), "factor": (1.1, 4.0), "percent": (0.5, 8.0)}
+RANGES |= {"scatter|span|width": (5.0, 60.0), "": (300.0, 1500.0)}
+# Names of files to write, by the name of the option; of others, that with the ending of a table.
+FILES = {
+    "--plot": ("p.svg", "p.svg", "p.png", "p.pdf"),
+    "--output": ("o.csv", "o.csv", "o.parquet", "r.html", "r.md"),
+    "--junit": ("j.xml",),
+    "--map": ("m.html",),
+    "--markdown": ("v.md",),
+    "--report": ("r.html",),
+    "--save": ("b.toml",),
+    "--write": ("w.toml",),
+    "--write-scenario": ("fitted.toml",),
+    "file": ("n.toml", "n.csv", "n.ipynb", "no/n.toml"),
+    "folder": ("new", "."),
 }
 # How often an option is given that is not given in a fifth of the trials.
 OFTEN = {
-    **{"--json": 0.5, "--set": 0.15, "--plot": 0.1, "--force": 0.1, "--list": 0.05, "--update": 0.1, "--prior": 0.1},
+    **{"--json": 0.5, "--set": 0.15, "--plot": 0.1, "--force": 0.1, "--list": 0.05, "--update": 0.1, "--against": 0.01},
     **{"--only": 0.7, "--scheduler": 0.02, "--over": 0.6},
     **{"suite": 0.95, "table": 0.7, "--yes": 0.0},
 }
@@ -385,9 +373,7 @@ COMMANDS: dict[str, list[Any]] = {}
 # Trials of a command of which some must end with exit code 0.
 FEW = 100
 # Numbers of trials relative to other commands: of some that take long on any input, or whose input is simple.
-WEIGHTS = dict.fromkeys(("calibrate", "report", "sensitivity", "uncertainty"), 0.5) | dict.fromkeys(
-    ("figures", "schema", "library"), 0.1
-)
+WEIGHTS = {"calibrate": 0.5, "report": 0.5, "sensitivity": 0.5, "uncertainty": 0.5, "figures": 0.1, "schema": 0.1}
 
 
 def trial(dice: Dice) -> Trial:
@@ -399,7 +385,7 @@ def trial(dice: Dice) -> Trial:
     stdin = b""
     if "s.toml" in words and "s.toml" in maker.files and dice.random() < PIPED:
         words[words.index("s.toml")], stdin = "-", maker.files["s.toml"]
-    return Trial(command, words, maker.files, stdin, dice.uniform(0.01, 1.0) if dice.random() < STOPPED else 0.0)
+    return Trial(command, words, maker.files, stdin)
 
 
 def run(made: Trial, folder: Path) -> Outcome:
@@ -408,24 +394,10 @@ def run(made: Trial, folder: Path) -> Outcome:
         (folder / name).write_bytes(content)
     (folder.parent / "in").write_bytes(made.stdin)
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    # Before the program handles an interruption, none may come.
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    child = forked(in_child, made, folder)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    pidfd = os.pidfd_open(child)
-    if made.interrupted_s and not select.select([pidfd], [], [], made.interrupted_s)[0]:
-        os.kill(child, signal.SIGINT)
-    ended = bool(select.select([pidfd], [], [], HANGING_S)[0])
-    os.close(pidfd)
-    if not ended:
-        os.kill(child, signal.SIGKILL)
-    _, status, usage = os.wait4(child, 0)
-    seconds = usage.ru_utime + usage.ru_stime
-    code = os.waitstatus_to_exitcode(status)
+    _, status, usage = os.wait4(forked(in_child, made, folder), 0)
+    seconds, code = usage.ru_utime + usage.ru_stime, os.waitstatus_to_exitcode(status)
     stdout, stderr = ((folder.parent / name).read_text(errors="replace") for name in ("out", "err"))
-    faults = [] if ended and code != -signal.SIGPROF else [f"longer than {LIMIT_S if ended else HANGING_S:g} s"]
-    if not faults and code not in (*range(CHECK_FAILED + 1), *([INTERRUPTED] if made.interrupted_s else [])):
-        faults.append(f"exit code {code}")
+    faults = [] if code in range(CHECK_FAILED + 1) else [SIGNALS.get(code, f"exit code {code}")]
     if "Traceback" in stderr:
         faults.append("traceback")
     if usage.ru_maxrss > LIMIT_MIB * 1024:
@@ -436,21 +408,17 @@ def run(made: Trial, folder: Path) -> Outcome:
     if code not in (DONE, CHECK_FAILED) and (left or set(before) - set(after)):
         faults.append(f"files of a failed command: {left}")
     if code == DONE and "--json" in made.arguments:
-        faults += not_strict_json(stdout)
+        faults += malformed("answer.json", stdout.encode())
     elif code == DONE and not any(re.search(rb"\b(nan|inf)\b", content) for content in made.files.values()):
         # A number is none of these in an input that is accepted, but a title or the name of a shot may be.
         faults += ["nan or inf in the answer"] if re.search(r"(?<![\w\"'=.-])[-+]?(nan|inf)(?![\w\"'])", stdout) else []
     for path in written if code in (DONE, CHECK_FAILED) else ():
-        faults += malformed(path)
+        faults += malformed(path.name, path.read_bytes())
     return Outcome(code, seconds, usage.ru_maxrss / 1024, faults, stderr)
 
 
 def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
     """Return whether a command that fails may leave a file, as the pages say."""
-    if path.parent.suffix == ".parts":  # rows of a sweep so far
-        return code == INTERRUPTED
-    if code == INTERRUPTED and path.read_bytes().endswith(ENDS.get(path.suffix, b"\n")):  # written whole before
-        return True
     if code == NO_ANSWER and arguments[0] == "optimise":  # how far the designs are from what is required
         return True
     if code == WRONG_INPUT and path.read_bytes().startswith(BEGINNING):  # the mistakes as JUnit XML
@@ -463,13 +431,11 @@ def in_child(made: Trial, folder: Path) -> int:
     from armour.cli.main import main as armour
 
     os.chdir(folder)
-    os.setpgrp()
     os.dup2(os.open(folder.parent / "in", os.O_RDONLY), 0)
     for descriptor, name in ((1, "out"), (2, "err")):
         os.dup2(os.open(folder.parent / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), descriptor)
     signal.setitimer(signal.ITIMER_PROF, LIMIT_S * available_cores())
-    signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.alarm(HANGING_S)
     sys.argv = ["armour", *made.arguments]
     try:
         armour()
@@ -488,96 +454,59 @@ def warm_up() -> None:
     from armour.cli.app import COMMANDS as SHOWN
     from armour.cli.app import app, told
 
-    examples = [example for commands in SHOWN.values() for command in commands for example in told(command)[1]]
+    examples = [example for group in SHOWN.values() for command in group for example in told(command)[1]]
     for example in (*examples, "armour optimise wilkins --map m.html"):
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
-            found = CliRunner().invoke(app, example.removeprefix("armour "))
-            assert found.exit_code in (DONE, CHECK_FAILED), (example, found.output)
+            CliRunner().invoke(app, example.removeprefix("armour "))
     import pyarrow.csv
     import pyarrow.parquet  # noqa: F401
 
-    COMMANDS.update(leaves(typer.main.get_command(app)))
-    # What is collected here calls back in no trial, where an exception of an interruption would be lost.
-    gc.collect()
-    gc.freeze()
+    COMMANDS.update({name: command.params for name, command in commands()})
 
 
-def not_strict_json(text: str) -> list[str]:
-    """Return what is wrong with JSON that must hold neither NaN nor infinity."""
-
-    def refuse(constant: str) -> None:
-        raise ValueError(constant)
-
-    try:
-        json.loads(text, parse_constant=refuse)
-    except ValueError as error:
-        return [f"JSON: {error}"[:80]]
-    return []
-
-
-def malformed(path: Path) -> list[str]:
+def malformed(name: str, content: bytes) -> list[str]:
     """Return what is wrong with an output."""
-    if path.suffix in (".svg", ".xml"):
-        try:
-            ElementTree.parse(path)
-        except ElementTree.ParseError as error:
-            return [f"{path.name}: {error}"]
-    if path.suffix in (".html", ".md", ".toml"):
-        text = path.read_text(errors="replace")
-        faults = ["a script of the input"] if path.suffix == ".html" and SCRIPT in text else []
-        # In a cell or after a key, and in the data of a map.
-        if re.search(r"[>|=] *-?(nan|inf)\b|(?:[\[,]|\x22:) ?-?(NaN|Infinity)[,\]}]", text):
-            faults.append("nan or inf")
-        return [f"{path.name}: {fault}" for fault in faults]
-    if path.suffix == ".ipynb":
-        return not_strict_json(path.read_text())
-    if path.suffix == ".csv":
-        table = path.read_bytes()  # one of shots keeps its encoding
-        lines = table.decode("utf-16" if table.startswith(codecs.BOM_UTF16_LE) else "utf-8", "replace").splitlines()
-        cells = {cell.strip().lower() for row in csv.reader(lines) for cell in row}
-        if cells & {"nan", "inf", "-inf", "infinity", "-infinity"}:
-            return [f"{path.name}: nan or inf"]
-    return []
+    ending = Path(name).suffix
+    text = content.decode("utf-16" if content.startswith(codecs.BOM_UTF16_LE) else "utf-8", "replace")
+    try:
+        if ending in (".svg", ".xml"):
+            ElementTree.fromstring(content)
+        elif ending in (".json", ".ipynb"):
+            json.loads(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        return [f"{name}: {error}"[:80]]
+    faults = ["a script of the input"] if ending == ".html" and SCRIPT in text else []
+    faults += ["nan or inf"] if ending in NOT_A_NUMBER and re.search(NOT_A_NUMBER[ending], text) else []
+    return [f"{name}: {fault}" for fault in faults]
 
 
 def main() -> int:
     """Run the trials and print what was wrong."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--trials", type=int, default=20_000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int, help="run the trial of this number alone and show it")
-    arguments = parser.parse_args()
+    options = asked(__doc__, trials=20_000, seed=1)
     warm_up()
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if arguments.only is not None:
-        show(arguments.seed, arguments.only)
-        return 0
     codes: defaultdict[str, Counter[int]] = defaultdict(Counter)
-    seconds: defaultdict[str, float] = defaultdict(float)
     kinds: Counter[str] = Counter()
-    options: set[tuple[str, str]] = set()
+    given: set[tuple[str, str]] = set()
     slowest = largest = 0.0
     with ProcessPoolExecutor(available_cores(), get_context("fork")) as pool:
-        numbers = range(arguments.trials)
-        for number, (made, outcome) in enumerate(pool.map(partial(tried, arguments.seed), numbers, chunksize=10)):
+        trials = pool.map(partial(tried, options.seed), range(options.trials), chunksize=10)
+        for number, (made, outcome) in enumerate(trials):
             codes[made.command][outcome.code] += 1
-            seconds[made.command] += outcome.seconds
-            options |= {(made.command, word) for word in made.arguments if word.startswith("--")}
+            given |= {(made.command, word) for word in made.arguments if word.startswith("--")}
             slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.mib)
             kinds.update({f"{made.command}: {re.sub(r'[0-9]+', '#', fault)}" for fault in outcome.faults})
             if outcome.faults:
-                told = f"{outcome.code} {outcome.seconds:.1f} s"
-                print(number, made.arguments, told, outcome.faults, outcome.stderr[-TOLD:], flush=True)
+                print(number, *made, *outcome, flush=True)
     for command, found in sorted(codes.items()):
         ends = ", ".join(f"exit code {code}: {count}" for code, count in sorted(found.items()))
-        print(f"{command:20} {seconds[command] / found.total():6.2f} s, {ends}")
+        print(f"{command:20} {ends}")
         if found.total() > FEW and not found[DONE]:
             kinds[f"{command}: never ended with exit code 0"] += 1
     for kind, count in kinds.most_common():
         print(f"{count} times: {kind}")
     ended = sum(codes.values(), Counter())
     return verdict(
-        f"{ended.total():,} trials of {len(codes)} commands with {len(options)} options, {ended[DONE]:,} of which "
+        f"{ended.total():,} trials of {len(codes)} commands with {len(given)} options, {ended[DONE]:,} of which "
         f"ended with exit code 0: {kinds.total()} faults; at most {slowest:.0f} s and {largest:.0f} MiB",
         right=not kinds,
     )
@@ -590,15 +519,3 @@ def tried(seed: int, number: int) -> tuple[Trial, Outcome]:
         folder = Path(name) / "work"
         folder.mkdir()
         return made, run(made, folder)
-
-
-def show(seed: int, number: int) -> None:
-    """Run a trial and print all of it."""
-    made, outcome = tried(seed, number)
-    print(made.arguments, outcome.code, f"{outcome.seconds:.1f} s", outcome.faults, outcome.stderr)
-    for file, content in made.files.items():
-        print(f"--- {file}\n{content.decode(errors='replace')}")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

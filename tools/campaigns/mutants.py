@@ -1,13 +1,12 @@
 """Change the core term by term, by mutmut's mutants, and count the changes that tests detect.
 
-    python -m tools.campaigns.mutants [--files equations.py,rk4.py]
+    python -m tools.campaigns mutants
 
 One process collects the tests of the core and forks a child for each mutant, which puts the mutant's code into the
 function and runs the tests that call it, the quickest first.  A mutant is detected if a test fails or takes over four
 times as long as usual.
 """
 
-import argparse
 import difflib
 import importlib
 import os
@@ -27,7 +26,7 @@ from mutmut.mutation.file_mutation import create_mutations
 
 from armour.engine import compiled
 from tools.campaigns.trials import exit_code, forked
-from tools.campaigns.verdict import verdict
+from tools.campaigns.verdict import asked, verdict
 
 # The core in plain Python, and the same random inputs each time.
 os.environ["CI"] = "1"
@@ -150,9 +149,7 @@ class Campaign:
 
 def main() -> int:
     """Try the mutants and print those that survive, and a table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--files", default=",".join(FILES))
-    files = parser.parse_args().files.split(",")
+    files = asked(__doc__).words or FILES
     mutants = [mutant for file in files for mutant in mutants_of(file)]
     options = ["-o", "addopts=", *(f"-pno:{name}" for name in ("cacheprovider", "terminal", "xdist")), *TESTS]
     # The first run also fills what the tests keep, which no child then computes.
@@ -169,7 +166,3 @@ def main() -> int:
     survivors = sum(campaign.outcomes[name, SURVIVED] for name in files)
     detected = 100.0 * (1.0 - survivors / len(mutants))
     return verdict(f"{detected:.1f} % of {len(mutants):,} mutants detected", right=detected >= LEAST)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

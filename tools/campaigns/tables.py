@@ -1,12 +1,11 @@
 """Record shots in pairs, kill the commands that record them, and save the table meanwhile: no shot may be lost.
 
-python -m tools.campaigns.tables
+python -m tools.campaigns tables
 """
 
 import os
 import random
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -15,7 +14,7 @@ from pathlib import Path
 from armour.errors import InputError
 from armour.statistics.v50 import read_shots
 from tests.helpers.faults import faults
-from tools.campaigns.trials import WRONG, command, exit_code, forked, run
+from tools.campaigns.trials import WRONG, command, exit_code, forked, run, timed
 
 PAIRS, SAVES = 50, 50
 TABLES = (
@@ -61,8 +60,9 @@ def pairs(folder: Path) -> Iterator[str]:
             time.sleep(random.choice((0.0, random.uniform(0.0, command_s[0]))))
         codes = [exit_code(child) for child in children]
         after = velocities(table)
-        both = codes == [0, 0] and after == sorted([*before, 720.0, 730.0])
-        yield "both there" if both else f"{WRONG}: {codes} {after}"
+        kept = [velocity for velocity, code in zip((720.0, 730.0), codes, strict=True) if code == 0]
+        right = kept and {*codes} <= {0, 2} and after == sorted([*before, *kept])
+        yield f"{len(kept)} there, the others refused" if right else f"{WRONG}: {codes} {after}"
 
 
 def killed_at(table: Path, step: int) -> int:
@@ -108,13 +108,5 @@ def saves(folder: Path) -> Iterator[str]:
 def main() -> int:
     """Disturb commands that record shots; return the exit code."""
     with tempfile.TemporaryDirectory(prefix="tables-") as place:
-        for table in tables(Path(place), 2):
-            recorded(table, 720.0)
-            start = time.monotonic()
-            assert exit_code(forked(recorded, table, 720.0)) == 0
-            command_s[0] = time.monotonic() - start
+        command_s[0] = min(timed(recorded, table, 720.0) for table in tables(Path(place), 4))
     return run(pairs, steps, saves)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

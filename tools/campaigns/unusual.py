@@ -5,15 +5,13 @@ outcome that 1,025 velocities see, 1 to 10,000 m/s, or if a lower one is found t
 bracket confirm. Designs inside of what the model was compared with, and up to a factor of two outside, are compared in
 the same way. A least ceramic thickness is compared with a scan that is four times as dense.
 
-    python -m tools.campaigns.unusual
+    python -m tools.campaigns unusual
 """
-
-import sys
 
 import numpy as np
 
 from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
-from armour.core.search import DENSE_SCAN_POINTS, SCAN_POINTS, scan
+from armour.core.search import DENSE_SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
 from armour.errors import InputError
@@ -60,8 +58,8 @@ def covered() -> dict[str, tuple[float, float]]:
     return found
 
 
-def designs_within(factor: float, count: int, like: Variants) -> Variants:
-    """Return designs with every quantity up to a factor outside of what the model was compared with."""
+def rows_within(factor: float, count: int) -> Floats:
+    """Return parameters of designs with every quantity up to a factor outside of what the model was compared with."""
     rng = np.random.default_rng(11)
     of = {
         name: np.exp(rng.uniform(np.log(low / factor), np.log(high * factor), count))
@@ -85,8 +83,7 @@ def designs_within(factor: float, count: int, like: Variants) -> Variants:
         "shear_law": rng.integers(0, len(SHEAR_LAWS), count),
         "drive_law": rng.integers(0, len(DRIVE_LAWS), count),
     }
-    parameters = np.column_stack([columns.get(name, zero) for name in Parameters._fields])
-    return variants(parameters, zero, like.scenario)
+    return np.column_stack([columns.get(name, zero) for name in Parameters._fields])
 
 
 def outcomes(designs: Variants, velocities: Floats) -> Bools:
@@ -108,7 +105,7 @@ def ended(designs: Variants, rows: Ints) -> Ints:
 
 
 def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
-    """Print how many limits differ from the lowest change that a scan by usual impacts sees; return those too high."""
+    """Return how many limits are above the lowest change that a scan by usual impacts sees, and words on them."""
     rows = ended(designs, np.arange(len(designs.velocities)))
     unresolved = len(designs.velocities) - len(rows)
     designs = designs.at(rows)
@@ -118,63 +115,48 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     first = beyond.argmax(axis=1)
     low = np.where(beyond.any(axis=1), velocities[np.maximum(first - 1, 0)], np.inf)
     high = np.where(beyond.any(axis=1), velocities[first], np.inf)
-    several = (np.diff(beyond.astype(int), axis=1) != 0).sum(axis=1) > 1
-    print(f"{name}: {len(low)}, of which {several.sum()} change more than once; {unresolved} end with a message")
-    for by, points in ((f"{SCAN_POINTS} velocities everywhere", SCAN_POINTS), ("the program", None)):
-        limits = ballistic_limits(designs, (LOW, HIGH), tolerance=TOLERANCE, points=points)
-        stopped = limits - TOLERANCE
-        # A bracket may contain the perforated end of the scan's.
-        within = (limits >= low) & (stopped < high)
-        same = within | beyond[:, 0] & np.isneginf(limits) | ~beyond.any(axis=1) & np.isposinf(limits)
-        lower = np.flatnonzero(~same & (limits < low))
-        ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
-        confirmed = int((~ends[0].perforated() & ends[1].perforated()).sum()) if len(lower) else 0
-        print(f"  by {by}: {same.sum()} the same, {confirmed} of {len(lower)} lower ones confirmed, "
-              f"{(~same).sum() - len(lower)} too high")  # fmt: skip
+    limits = ballistic_limits(designs, (LOW, HIGH), tolerance=TOLERANCE)
+    stopped = limits - TOLERANCE
+    # A bracket may contain the perforated end of the scan's.
+    within = (limits >= low) & (stopped < high)
+    same = within | beyond[:, 0] & np.isneginf(limits) | ~beyond.any(axis=1) & np.isposinf(limits)
+    lower = np.flatnonzero(~same & (limits < low))
+    ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
+    confirmed = int((~ends[0].perforated() & ends[1].perforated()).sum()) if len(lower) else 0
     wrong = int((~same).sum()) - confirmed
     return wrong, f"{wrong} of {len(low):,} {name}" + (f" ({unresolved} more end with a message)" if unresolved else "")
 
 
 def compare_thicknesses(designs: Variants) -> int:
-    """Print how many least ceramic thicknesses differ from the lowest change that a denser scan sees; return those."""
+    """Return how many least ceramic thicknesses differ from the lowest change that a denser scan sees."""
     points = TIMES_DENSER * (DENSE_SCAN_POINTS - 1) + 1
     values = np.linspace(THICKNESSES["min"], THICKNESSES["max"], points)
-    same = told = several = unresolved = 0
+    same = unresolved = 0
     for i in range(len(designs.velocities)):
         try:
-            least = designs.at(np.array([i])).least_thicknesses("ceramic")
+            least = designs.at(np.array([i])).least_thicknesses("ceramic").mm[0]
         except InputError:  # a run of more steps than a command takes
             unresolved += 1
             continue
         stops = ~designs.at(np.full(points, i)).with_thicknesses(ceramic_mm=values).perforated()
         first = int(stops.argmax())
-        again = bool((stops[:-1] & ~stops[1:]).any())
-        several += again
-        told += again and bool(least.changes_again[0])
-        if stops.any():
-            same += bool(values[max(first - 1, 0)] <= least.mm[0] <= values[first])
-        else:
-            same += bool(np.isnan(least.mm[0]))
-    count = len(designs.velocities) - unresolved
-    print(f"least ceramics: {count}, {same} the same as by {points} thicknesses; "
-          f"a thicker one is perforated in {several}, {told} are told; {unresolved} end with a message")  # fmt: skip
-    return count - same
+        same += bool(values[max(first - 1, 0)] <= least <= values[first] if stops.any() else np.isnan(least))
+    return len(designs.velocities) - unresolved - same
 
 
 def main() -> int:
     """Print the comparison."""
     options = asked(__doc__, designs=2_000, nearly=10_000, thicknesses=500)
     unusual = unusual_designs(options.designs, seed=24)
+    nearly_rows, usual_rows = (rows_within(factor, options.nearly) for factor in (UNUSUAL_FACTOR, 1.0))
     wrong, told = compare_limits("unusual armours", unusual)
-    nearly, told_nearly = compare_limits("nearly unusual ones", designs_within(UNUSUAL_FACTOR, options.nearly, unusual))
-    usual, told_usual = compare_limits("within the ranges", designs_within(1.0, options.nearly, unusual))
+    nearly, told_nearly = compare_limits(
+        "nearly unusual ones", variants(nearly_rows, nearly_rows[:, 0], unusual.scenario)
+    )
+    usual, told_usual = compare_limits("within the ranges", variants(usual_rows, usual_rows[:, 0], unusual.scenario))
     thicknesses = compare_thicknesses(unusual.at(slice(options.thicknesses)))
     return verdict(
         f"limits too high: {told}, {told_nearly}, {told_usual}; "
         f"least thicknesses that differ: {thicknesses} of {options.thicknesses:,}",
         right=not wrong and not usual and not thicknesses and nearly <= MOST * options.nearly,
     )
-
-
-if __name__ == "__main__":
-    sys.exit(main())

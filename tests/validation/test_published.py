@@ -10,7 +10,7 @@ from tests.helpers.cases import SCENARIOS
 from tests.helpers.fits import wilkins_fit
 from tests.helpers.known import known
 from tests.helpers.suites import of_paper
-from tools import rivals
+from tools import published
 
 pytestmark = pytest.mark.slow
 
@@ -20,7 +20,7 @@ NAMES = ["the model, flow stress refitted", "k times areal density, fitted"]
 
 @pytest.fixture(scope="module")
 def errors() -> dict[str, Prediction]:
-    return {found.method: found for found in rivals.predictions(of_paper())}
+    return {found.method: found for found in published.predictions(of_paper())}
 
 
 def test_wilkins_tests_by_what_is_fitted_to_them(errors: dict[str, Prediction]):

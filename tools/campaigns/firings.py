@@ -23,7 +23,7 @@ from armour.planning.procedures import MOST_SHOTS, Firings, ShotSettings, fire, 
 from armour.scenario.scenario import load_scenario
 from armour.statistics.posterior import FiringPrior, posterior_of
 from armour.statistics.v50 import Shots
-from tools.experiments.share import Share
+from tools.campaigns.verdict import Share
 
 SCENARIO, HALF_WIDTH_M_S, CONFIDENCE, MISS_M_S, MOST = "paper/optimum_7.62mm_AP", 15.0, 0.95, 5.0, 150
 DEVIATIONS, SCATTERS_M_S = (0.0, 1.0, 2.0), (15.0, 30.0)

@@ -16,7 +16,7 @@ from armour.analysis.variants import ballistic_limits
 from armour.scenario.inputs import ERROR
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.uncertainty import QUANTILES, SAMPLES_AT_A_TIME, sample_limits, uncertainty
-from tools.experiments.share import Share
+from tools.campaigns.verdict import Share
 
 SHIPPED = Path(__file__).resolve().parents[2] / "scenarios" / "uncertain.toml"
 # Least share of the intervals of a method that must contain the truth, per cent.
