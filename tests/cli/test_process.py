@@ -110,9 +110,12 @@ def test_numbers_do_not_depend_on_the_threads_of_the_linear_algebra(cli, monkeyp
 
 
 @pytest.mark.parametrize("time", ["", "abc", "99999999999999"])
-def test_a_wrong_time_in_the_environment(monkeypatch: pytest.MonkeyPatch, time: str):
+def test_a_wrong_time_in_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, time: str):
     """On which libraries that draw fail."""
     monkeypatch.setenv("SOURCE_DATE_EPOCH", time)
-    for words in ("simulate wilkins --plot a.svg", "report wilkins -o a.html"):
-        done = process("-m", "armour", *words.split())
+    for words in (
+        ["simulate", "wilkins", "--plot", tmp_path / "a.svg"],
+        ["report", "wilkins", "-o", tmp_path / "a.html"],
+    ):
+        done = process("-m", "armour", *words)
         assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr

@@ -25,9 +25,7 @@ def test_a_grid_as_csv_with_a_map(cli, folder: Path):
     result = cli("sweep", WILKINS, *over, "-o", "t.csv", "--plot", "t.svg")
     assert result.exit_code == 0
     assert "600.991" in result.stdout  # few rows are shown
-    warning, *wrote = result.stderr.splitlines()
-    assert "0.89 penetrator diameters, was tested" in warning
-    assert wrote == ["wrote t.csv: 8 rows", "wrote t.svg"]
+    assert result.stderr.splitlines() == ["wrote t.csv: 8 rows", "wrote t.svg"]
     with (folder / "t.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row[CERAMIC] for row in rows] == [str(float(c)) for c in (5, 5, 6, 6, 7, 7, 8, 8)]

@@ -157,7 +157,7 @@ def test_the_error_widens_beyond_the_tests_and_is_then_unknown():
     assert beyond > 1.1 * inside
     far = scenario(backing="AA6082-T651", backing_mm=9.7 * 6.25 * 1.7, **BARE)
     assert model_error(row_of(far), 700.0) is None
-    assert no_error(far) == "the armour is too far from the tests"
+    assert no_error(far).endswith(", which are of back plates 1.6 to 9.7 penetrator diameters thick")
 
 
 @pytest.mark.parametrize("layer", ["ceramic", "backing"])
