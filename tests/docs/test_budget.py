@@ -9,6 +9,8 @@ PROGRAM = '''"""Words."""
 import re  # a comment beside code
 from sys import argv
 
+import numpy as np
+
 
 def function() -> str:
     """Words
@@ -22,11 +24,11 @@ def function() -> str:
 
 
 def test_docstrings_comments_and_blank_lines_are_no_code():
-    assert budget.code_lines(PROGRAM) == 5
+    assert budget.code_lines(PROGRAM) == 6
 
 
 def test_imports_are_counted_at_the_top_and_within_functions():
-    assert budget.imports(PROGRAM) == (2, 1)
+    assert budget.imports(PROGRAM) == (1, 1)
 
 
 def test_a_list_that_a_program_writes_has_no_words():
