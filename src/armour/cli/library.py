@@ -83,12 +83,7 @@ def init(
         show(*views.shipped_tables())
         return
     suites = files.shipped_suites()
-    shipped = {
-        **files.shipped_files("scenarios", ".toml"),
-        **suites,
-        **files.shipped_tests(),
-        **files.shipped_notebooks(),
-    }
+    shipped = files.shipped_files("scenarios", ".toml") | suites | files.shipped_tests() | files.shipped_notebooks()
     source, *others = sources or ["template"]
     if others or source not in shipped:
         _init_suite(file, [source, *others], shipped, force=force)

@@ -219,8 +219,8 @@ def check(
 
 def _checked_data(result: "armour.CheckResult") -> dict[str, Any]:
     """Return the check of an armour as plain data, with the name and the labels of an offer."""
-    scenario, offer = result.question["scenario"], {"name", "labels"} & result.question.keys()
-    labelled = {key: result.question[key] for key in sorted(offer, reverse=True)}
+    scenario = result.question["scenario"]
+    labelled = {key: result.question[key] for key in ("name", "labels") if key in result.question}
     return {"scenario": scenario.file, **labelled, **result.to_dict(), "made_by": runner.origin_of(scenario)}
 
 

@@ -22,6 +22,8 @@ from armour.sweeps.tables import read_table
 LIMIT = "ballistic_limit_m_s"
 ANSWERED = (LIMIT, "expected_limit_m_s", "probability_of_stopping", VERDICT)
 MOST_SHOWN = 1000
+# Sweeps that take longer than this, s, are announced.
+ANNOUNCED_S = 10.0
 
 
 def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = ()) -> SweepCases:
@@ -71,7 +73,8 @@ def write_and_show(
         def approve(effort: Effort) -> None:
             if effort.is_large and not yes:
                 raise mistake("sweep", "", f"{effort.words}; --yes to go on")
-            runner.announce(effort.seconds, effort.words)
+            if effort.seconds > ANNOUNCED_S:
+                say(effort.words)
 
         calls: Any = {"approve": approve, "tell": say, "command": runner.command_line()}
         calls["on_chunk"] = lambda rows, stored: count(rows, stored=stored)

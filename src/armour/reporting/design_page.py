@@ -208,7 +208,9 @@ def _pair(
         "hull": "" if counts else density * float(backings[0]) * MM,
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
-        "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
+        "offered": [
+            np.searchsorted(mm, layer.thicknesses()).tolist() for mm, layer in zip(grid, offer[:2], strict=True)
+        ],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
         "tested": [_tested(catalogue, designs, tiled=tiled) for tiled in (False, True)],
@@ -238,14 +240,12 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
         )
         _, error, _ = limit_and_error(row_known, ignore_progress)
         tested = what_was_tested(catalogue.threats[threat], row_known.armours)
-        sizes = zip(LAYERS.values(), (designs.ceramic_mm, designs.backing_mm), strict=True)
+        sizes = zip(LAYERS.values(), (designs.ceramic_mm.tolist(), designs.backing_mm.tolist()), strict=True)
+        words = {f"{layer}s": [str(tested.far(layer, mm) or "") for mm in sizes_mm] for layer, sizes_mm in sizes}
         of_threats.append(
             {
                 **tested.thicknesses_mm,
-                **{
-                    f"{layer}s": [str(tested.far(layer, mm) or "") for mm in sizes_mm.tolist()]
-                    for layer, sizes_mm in sizes
-                },
+                **words,
                 "far": list(map(str, tested.others)),
                 "source": "" if error is None else error.source,
                 "floor": error is not None and bool(error.at_least),
@@ -288,11 +288,6 @@ def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
         "caveats": [(sentence(words), most_mm) for words, most_mm in notes],
         "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
     }
-
-
-def _places(nodes: Floats, layer: Layer) -> list[int]:
-    """Return the indices of the thicknesses on offer among the nodes, mm."""
-    return np.searchsorted(nodes, layer.thicknesses()).tolist()
 
 
 def _numbers(designs: DesignMap) -> dict[str, Any]:

@@ -64,14 +64,11 @@ def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
     """Tabulate the shots used, and which of them a mean is of."""
     if mean is None:
         return views.shot_table(shots)
-    return views.shot_table(shots, _averaged(shots, mean.pairs), f"in the mean of {mean.pairs} + {mean.pairs}")
-
-
-def _averaged(shots: Shots, pairs: int) -> set[int]:
-    """Return the indices of the shots in the mean: those of the fastest partial and slowest complete penetrations."""
+    # The mean is of the fastest partial and the slowest complete penetrations.
     order = sorted(range(len(shots.complete)), key=lambda i: shots.velocities_m_s[i])
     partial, complete = ([i for i in order if shots.complete[i] == kind] for kind in (False, True))
-    return {*partial[-pairs:], *complete[:pairs]}
+    averaged = {*partial[-mean.pairs :], *complete[: mean.pairs]}
+    return views.shot_table(shots, averaged, f"in the mean of {mean.pairs} + {mean.pairs}")
 
 
 def _not_used(shots: Shots, name: str) -> ReportSection:

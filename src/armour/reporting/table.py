@@ -94,11 +94,6 @@ def beside(value: float, bound: float, decimals: int, *, at_most: bool = False) 
     return number(rounded, f".{decimals}f")
 
 
-def with_interval(value: float, ends: tuple[float | None, float | None] | None, spec: str) -> str:
-    """Format an estimate with its interval, such as "0.80 (0.79 to 0.81)"."""
-    return f"{number(value, spec)} ({interval(ends, spec)})"
-
-
 def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
     """Format an interval; None gives an empty text, and an end that is None is unbounded."""
     if ends is None:
@@ -199,11 +194,6 @@ class Table:
 def in_words(name: str) -> str:
     """Return the label and unit of a quantity, input or key, such as "ceramic flow stress, GPa"."""
     return Column.of(name).heading
-
-
-def deviation_percent(value: float | None, reference: float) -> float | None:
-    """Return the relative deviation of a value from a reference, %; None if there is no value."""
-    return None if value is None else 100.0 * (value / reference - 1.0)
 
 
 def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[Any]]:

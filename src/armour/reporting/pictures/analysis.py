@@ -22,14 +22,14 @@ from armour.reporting.words import chance, said_of
 from armour.scenario.inputs import VELOCITY
 from armour.units import MM
 
-VELOCITY_LINES = {
+VELOCITIES = {
     "projectile V": "velocity_m_s",
     "penetration U": "penetration_velocity_m_s",
     "target W": "target_velocity_m_s",
 }
 # Panels over time: label of the y axis, height, inches, and attribute of the history for each curve, by its label.
 PANELS: Any = (
-    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITY_LINES),
+    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITIES),
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
@@ -79,8 +79,7 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
     """Return sentences on what is far from the tests, and the caveats of the model."""
-    texts = (str(text) for text in (*far_of(result), *said_of(result.notes)))
-    return [*map(sentence, texts)]
+    return [sentence(str(text)) for text in (*far_of(result), *said_of(result.notes))]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:

@@ -15,10 +15,7 @@ from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, Shots
 
 # Kinds of shots: label, whether the penetration is complete, colour and marker.
-PENETRATIONS = (
-    ("stopped", False, drawing.GREEN, "o"),
-    ("perforated", True, drawing.VERMILION, "^"),
-)
+PENETRATIONS = (("stopped", False, drawing.GREEN, "o"), ("perforated", True, drawing.VERMILION, "^"))
 # What is drawn where the probability is not known.
 ALONE = "stopped, with the model taken as exact"
 

@@ -199,9 +199,8 @@ def tests_words(result: LimitResult) -> str:
         source = f"not known: {result.reason.partition(';')[0]}" if result.reason else ""
     else:
         source = error.source.replace(" tests of ", " of ", 1)
-    return "; ".join(
-        filter(None, (source, f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""))
-    )
+    measured = f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""
+    return "; ".join(filter(None, (source, measured)))
 
 
 def measured_here(result: LimitResult) -> list[float]:

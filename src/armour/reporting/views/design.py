@@ -131,14 +131,10 @@ def verdict_line(result: CheckResult) -> VerdictLine:
 def amounts(result: CheckResult) -> str:
     """Return areal density, thickness and cost of an armour in a line, with the most that is allowed of each."""
     most, words = {row.quantity: row.required for row in result.requirements}, []
-    for key, before, unit in (
-        (AREAL_DENSITY.key, "", " kg/m²"),
-        (THICKNESS.key, "", " mm"),
-        (COST.key, "cost ", " per m²"),
-    ):
+    for key, named in OBJECTIVES.items():
         if (value := getattr(result, key)) is not None:
-            text = phrases.amount(key, value, most.get(key, inf))
-            words.append(f"{before}{text}{f' of at most {most[key]:g}' if key in most else ''}{unit}")
+            text = "cost " * (key == COST.key) + phrases.amount(key, value, most.get(key, inf))
+            words.append(f"{text}{f' of at most {most[key]:g}' if key in most else ''}{named.unit}")
     return ", ".join(words)
 
 
@@ -311,18 +307,13 @@ _verdict_columns: tuple[Source, ...] = (
 
 def _marked_limit(threat: CheckedThreat) -> str:
     """Return the limit of an armour, marked if it is by the model; "none" where the model does not hold."""
-    return limit_text(threat) + "*" * _is_limit_by_model(threat) if _is_modelled(threat) else "none"
-
-
-def _is_limit_by_model(threat: CheckedThreat) -> bool:
-    """Return whether the limit of an armour is one by the model alone."""
-    known = threat.ballistic_limit_m_s is not None
-    return _is_modelled(threat) and known and threat.expected_limit_m_s is None
+    by_model = threat.ballistic_limit_m_s is not None and threat.expected_limit_m_s is None
+    return limit_text(threat) + "*" * by_model if _is_modelled(threat) else "none"
 
 
 def _by_model(results: Iterable[CheckResult]) -> list[str]:
     """Return what the mark of a limit by the model means, if any is marked."""
-    return [BY_MODEL] * any(_is_limit_by_model(deciding(result)) for result in results)
+    return [BY_MODEL] * any(_marked_limit(deciding(result)).endswith("*") for result in results)
 
 
 def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
@@ -468,15 +459,9 @@ def found_in_a_line(result: DesignResult) -> str:
 def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return the best design with what its check says, and then what only a search knows."""
     result.shown.check.of(every_row=_every_row(result))
+    lines = VerdictLine(found_in_a_line(result)), verdict_line(result.shown.check)
     checked = facts(result.shown.check, also=nearly_as_good(result))
-    more = details(result.shown.check) * _every_row(result)
-    return [
-        VerdictLine(found_in_a_line(result)),
-        verdict_line(result.shown.check),
-        *checked,
-        *more,
-        *tables_of_search(result),
-    ]
+    return [*lines, *checked, *details(result.shown.check) * _every_row(result), *tables_of_search(result)]
 
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
@@ -496,11 +481,8 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
 def nearly_as_good(result: DesignResult) -> str:
     """Return the designs on other plates whose objective is within 1 % of the best, the nearest first."""
     value, best = attrgetter(result.minimised), result.shown
-    near = [
-        each
-        for each in result.frontier
-        if each.backing_thickness_mm != best.backing_thickness_mm and value(each) <= 1.01 * value(best)
-    ]
+    others = (each for each in result.frontier if each.backing_thickness_mm != best.backing_thickness_mm)
+    near = [each for each in others if value(each) <= 1.01 * value(best)]
     words = [sizes(each).removesuffix(" mm") for each in sorted(near, key=value)]
     more = f" and {len(words) - MOST_NAMED} more (-v)" * (len(words) > MOST_NAMED)
     return f"{', '.join(words[:MOST_NAMED])} mm{more}" if words and len(result.pairs) == 1 else ""
