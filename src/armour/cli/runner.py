@@ -106,9 +106,9 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
         yield
     except InputError as error:
         if junit is not None:
+            found = with_lines(error.problems)
             cases = [
-                TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
-                for problem, line in with_lines(error.problems)
+                TestCase(each.file, each.key or "file", "error", str(each), None, each.file, at) for each, at in found
             ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)

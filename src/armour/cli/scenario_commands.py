@@ -194,15 +194,11 @@ def check(
         if against is not None:
             yield views.moved_junit(moves, str(against), runner.origin_of())
 
-    def rows() -> list[dict[str, object]]:
-        if table is not None:
-            return CheckResults(results).rows()
-        return [{"scenario": views.name_of(found), **row} for found in results for row in found]
-
+    of_each = ({"scenario": views.name_of(found), **row} for found in results for row in found)
     files: Files = {
         junit: lambda _: junit_xml(suites()),
         markdown: lambda _: markdown_report(views.check_report(results, of_moved)),
-        csv: lambda _: rows_csv(rows()),
+        csv: lambda _: rows_csv(of_each if table is None else CheckResults(results).rows()),
         plot: runner.picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     runner.write(files, warnings)
@@ -274,10 +270,9 @@ def optimise(
     loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability, by_model=by_model)
     outputs = (page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE)
     check_outputs(*outputs, inputs=[loaded], force=force)
-    source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
         result = armour.optimise(loaded, on_progress=count)
-        map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
+        map_page = "" if page is None else _map(result, loaded, changes or (), count)
     fails = result.reason == "none passes"
     saved: Files = {} if fails else {save: lambda path: result.shown.scenario.to_toml(path.parent)}
     files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page, **saved}
@@ -292,24 +287,18 @@ def optimise(
 
 
 def _map(
-    result: "armour.DesignResult",
-    scenario: "armour.Scenario",
-    source: str,
-    changes: Sequence[str],
-    on_progress: Callable[[int, int | None], None],
+    result: "armour.DesignResult", scenario: "armour.Scenario", changes: Sequence[str], count: Callable[..., None]
 ) -> str:
-    """Return the HTML page with the map of all designs.
-
-    `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
-    """
+    """Return the HTML page with the map of all designs; `changes` are those of ``--set``; `count` shows progress."""
     from armour.design.check import deciding
     from armour.reporting import design_page, words
     from armour.reporting.by_result import in_a_line
 
+    source = "-" if scenario.file == runner.STANDARD_INPUT else runner.source_word(scenario.file)
     command, needed = ["armour", "simulate", source], runner.accepted(changes, ANSWERS["simulate"].reads)
     error = deciding(result.shown.check).model_error
     own_tests = words.tested_here(error) if error else []  # which the page does not show
-    return design_page.design_page(scenario, command, needed, on_progress, [in_a_line(result), *own_tests])
+    return design_page.design_page(scenario, command, needed, count, [in_a_line(result), *own_tests])
 
 
 def _propose_after(

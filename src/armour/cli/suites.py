@@ -87,14 +87,12 @@ def validate(
     judged = judging.kept_by_update(result) if update else result
     tables = views.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
     runner.show_answer(result.to_dict(), tables, as_json=as_json)
-    runner.write(
-        {
-            markdown: lambda _: markdown_report(views.suite_report(result)),
-            junit: lambda _: views.suite_junit(result, seconds, runner.origin_of()),
-            updated: updated_content,
-        },
-        [f"warning: {text}" for text in result.warnings],
-    )
+    outputs: runner.Files = {
+        markdown: lambda _: markdown_report(views.suite_report(result)),
+        junit: lambda _: views.suite_junit(result, seconds, runner.origin_of()),
+        updated: updated_content,
+    }
+    runner.write(outputs, [f"warning: {text}" for text in result.warnings])
     if judged.count(*judging.FAILED) or not result.is_scored:
         raise typer.Exit(runner.CHECK_FAILED)
 

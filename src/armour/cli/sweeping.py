@@ -81,8 +81,7 @@ def write_and_show(
         write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **calls)
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
-    data = {"rows": source.count, "output": str(output)}
-    runner.show_answer(data, shown, scenario=scenario, as_json=as_json)
+    runner.show_answer({"rows": source.count, "output": str(output)}, shown, scenario, as_json=as_json)
 
     def figure() -> Any:
         from armour.reporting.pictures import drawing, sweeps
@@ -101,8 +100,7 @@ def show_rows(
         result = sweep_in_memory(scenario, source, quantities, None, MOST_SHOWN)
         count(source.count, None)
     data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
-    tables = () if as_json else tables_of_sweep(result)
-    runner.show_answer(data, tables, scenario=scenario, as_json=as_json)
+    runner.show_answer(data, () if as_json else tables_of_sweep(result), scenario, as_json=as_json)
     warnings = [*_notes(quantities), *(f"warning: {note}" for note in result.notes)]
     runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)}, warnings)
 

@@ -234,10 +234,8 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
     known = ~np.isnan(designs.by_tests_m_s[..., 0]).reshape(-1, count)[places]
     rows, of_threats = catalogue.against_each(designs.candidates), []
     for threat in range(count):
-        row_known, row_unknown = (
-            rows.at(places[of_threat.argmax(), None] * count + threat)
-            for of_threat in (known[:, threat], ~known[:, threat])
-        )
+        firsts = (places[each.argmax(), None] for each in (known[:, threat], ~known[:, threat]))
+        row_known, row_unknown = (rows.at(place * count + threat) for place in firsts)
         _, error, _ = limit_and_error(row_known, ignore_progress)
         tested = what_was_tested(catalogue.threats[threat], row_known.armours)
         sizes = zip(LAYERS.values(), (designs.ceramic_mm.tolist(), designs.backing_mm.tolist()), strict=True)

@@ -12,19 +12,14 @@ from armour.reporting.table import Column, Table, sentence
 from armour.reporting.views import statistics as views
 from armour.statistics.v50 import FiringResult, LotResults, MeanV50, Shots
 
-SIGNED = ("Fired by", "Checked by")
-
 
 def firing_report(result: Result, command: str) -> Report:
     """Make the record of a firing, or of several lots, each on a page of its own; `command` makes the record."""
     if isinstance(result, FiringResult):
         return _page(result, command)
     assert isinstance(result, LotResults)
-    pages = [
-        _page(lot, command, name, views.difference_words(result, name))
-        for name, lot in result.results.items()
-        if isinstance(lot, FiringResult)
-    ]
+    lots = {name: lot for name, lot in result.results.items() if isinstance(lot, FiringResult)}
+    pages = [_page(lot, command, name, views.difference_words(result, name)) for name, lot in lots.items()]
     unanswered = tuple(f"{name}: {reason}" for name, reason in result.unanswered.items())
     if not pages:
         return Report("Record of a firing", "", (), warnings=unanswered)
@@ -56,7 +51,7 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
             _not_used(shots, name),
             replace(origin_section(command, read, result.question.get("scenario")), folded=False),
         ),
-        signed=SIGNED,
+        signed=("Fired by", "Checked by"),
     )
 
 

@@ -15,7 +15,7 @@ from textwrap import wrap
 from typing import Any, Self
 
 from armour.analysis.quantities import QUANTITIES, label_and_unit
-from armour.files import csv_cell, printable
+from armour.files import csv_cell, finite, printable
 from armour.units import ENDINGS
 
 Cell = float | int | str | None
@@ -251,6 +251,4 @@ def _with_ends(row: Mapping[str, Any]) -> Iterator[tuple[str, Cell]]:
 
 def _csv_cell(cell: Cell) -> Cell:
     """Return a cell as CSV has it: text safe for spreadsheets, and nothing for NaN and infinity."""
-    if isinstance(cell, str):
-        return csv_cell(cell)
-    return None if cell is None or not isfinite(cell) else cell
+    return csv_cell(cell) if isinstance(cell, str) else finite(cell)

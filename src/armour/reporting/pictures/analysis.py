@@ -119,10 +119,9 @@ class _Scene:
         self.middles, self.width = np.cumsum(slots) - 0.5 * slots, float(slots.sum())
         self.starts = self.middles - 0.5 * (left + right)  # x of the front face of the armour
         self.high = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
-        self.words = [
-            f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
-            for (time, event), velocity in zip(self.moments, self.velocities, strict=True)
-        ]
+        events = ("\n".join(wrapped(event, EVENT_CHARACTERS)) for _, event in self.moments)
+        told = zip(times, self.velocities, events, strict=True)
+        self.words = [f"{time:.3g} µs\n{velocity:.0f} m/s\n{event}" for time, velocity, event in told]
 
     def high_inches(self, inches: float) -> float:
         """Return the height of a panel with the pictures, inches, given its width, inches."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -286,32 +286,24 @@ def rows(
         points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
 
 
-class Compared(NamedTuple):
-    """An expected and a computed value; `deviation` is the standard deviation of the first, 0 if none is known."""
-
-    expected: float
-    computed: float
-    deviation: float = 0.0
-
-
-def agreement(axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]]) -> None:
+def agreement(axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[tuple[Any, Any, float]]]) -> None:
     """Draw computed over expected values of a quantity, with lines of agreement and of deviations of ± 10 %.
 
-    `word` names the expected values on the axis, and `groups` has the values by label.
+    `word` names the expected values on the axis.  `groups` has by label the expected and the computed values, each with
+    the standard deviation of the expected one, 0 if none is known.
     """
     heading, pairs = in_words(quantity), [pair for group in groups.values() for pair in group]
-    low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
+    low, high = widened(end for expected, computed, d in pairs for end in (expected - d, expected + d, computed))
     # If the values are close together, widen the axes to show the lines on both sides.
     margin = 0.1 * high if high - low < 0.1 * high else 0.0
     span = low - margin, high + margin
     axes.set(xlabel=f"{word} {heading}", ylabel=f"computed {heading}", xlim=span, ylim=span)
     axes.set_aspect("equal")
     for index, (label, group) in enumerate(groups.items()):
-        expected, computed = [p.expected for p in group], [p.computed for p in group]
+        expected, computed, deviations = zip(*group, strict=True)
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= 100 else 3.0}
-        if any(p.deviation for p in group):
-            ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]
-            ranges(axes, computed, ends, look["color"])
+        if any(deviations):
+            ranges(axes, computed, [(value - d, value + d) for value, _, d in group], look["color"])
         points(axes, expected, computed, filled=False, **look)
     for factor, label, style in ((1.0, "agreement", "-"), (0.9, "± 10 %", ":"), (1.1, "", ":")):
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
@@ -322,11 +314,3 @@ def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:
     numbers = list(values)
     margin = part * (max(numbers) - min(numbers)) or 0.05 * abs(numbers[0]) or 1.0
     return min(numbers) - margin, max(numbers) + margin
-
-
-def on_grid(x: Any, y: Any, values: Any) -> tuple[Any, Any, Any]:
-    """Return the sorted distinct x and y of points, and the values z[j, i] at x[i] and y[j], NaN where missing."""
-    xs, ys = np.unique(x), np.unique(y)
-    z = np.full((len(ys), len(xs)), np.nan)
-    z[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values
-    return xs, ys, z

@@ -84,11 +84,10 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
     note = "Error bars: ± one standard deviation of the measured value." if has_uncertainties else ""
     picture = sheet.panels(headline(result), *[sheet.width - 0.3] * len(by_quantity), note=note)
     for axes, (quantity, residuals) in zip(picture.axes, by_quantity.items(), strict=True):
-        by_bound = grouped(residuals, lambda residual: residual.bound)
+        ordered = sorted(residuals, key=lambda residual: [*WORDS].index(residual.bound))
+        by_word = grouped(ordered, lambda residual: WORDS[residual.bound])
         groups = {
-            WORDS[bound]: [drawing.Compared(r.measured, r.computed, r.uncertainty or 0.0) for r in by_bound[bound]]
-            for bound in WORDS
-            if bound in by_bound
+            word: [(r.measured, r.computed, r.uncertainty or 0.0) for r in some] for word, some in by_word.items()
         }
         drawing.agreement(axes, quantity, "measured", groups)
     return picture

@@ -69,7 +69,9 @@ def _draw_curve(axes: Axes, x: Any, values: Any, is_far: Any) -> None:
 
 def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column) -> None:
     """Draw a quantity over two numerical keys as colours and contours."""
-    x, y, z = drawing.on_grid(table[keys[0]], table[keys[1]], table[answer.key])
+    (x, column), (y, row) = (np.unique(table[key], return_inverse=True) for key in keys)
+    z = np.full((len(y), len(x)), np.nan)
+    z[row, column] = table[answer.key]
     drawing.colours_of(axes, x, y, z, answer.heading)
     if min(z.shape) > 1:
         drawing.contours(axes, x, y, z, 10, numbered=True)

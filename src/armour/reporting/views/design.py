@@ -375,17 +375,13 @@ def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
 
 def moved_junit(moves: Sequence[Moved], base: str, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a comparison with an earlier check: a failure for each part that is weaker."""
-    cases = [
-        TestCase(
-            move.scenario,
-            " ".join(filter(None, (move.threat, quantity_words(move.quantity)))),
-            "failure",
-            f"weaker: {_moved_value(move.quantity, move.before)} before, {_moved_value(move.quantity, move.now)} now",
-            file=move.scenario,
-        )
-        for move in moves
-        if move.weaker
-    ]
+    cases = []
+    for move in moves:
+        if move.weaker:
+            title = " ".join(filter(None, (move.threat, quantity_words(move.quantity))))
+            before, now = (_moved_value(move.quantity, value) for value in (move.before, move.now))
+            words = f"weaker: {before} before, {now} now"
+            cases.append(TestCase(move.scenario, title, "failure", words, file=move.scenario))
     return junit_suite(f"against {base}", cases or [TestCase(base, "nothing is weaker", "", "")], 0.0, origin)
 
 

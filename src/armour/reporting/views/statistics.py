@@ -392,11 +392,8 @@ def lots_in_a_line(result: LotResults) -> str:
 
 def difference_words(result: LotResults, name: str = "") -> list[str]:
     """Return a line for each pair of lots, or of those with a name, which says whether they differ."""
-    return [
-        _difference(pair, difference, len(result.differences))
-        for pair, difference in result.differences.items()
-        if not name or name in pair.split(" minus ")
-    ]
+    asked = {pair: each for pair, each in result.differences.items() if not name or name in pair.split(" minus ")}
+    return [_difference(pair, difference, len(result.differences)) for pair, difference in asked.items()]
 
 
 def _difference(pair: str, found: V50Difference, pairs: int) -> str:
