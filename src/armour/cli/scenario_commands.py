@@ -22,6 +22,10 @@ from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of
 from armour.scenario.scenario import scenario_file
 
+SCENARIOS = "Scenario files (TOML), folders of them, or shipped scenarios; - reads standard input."
+SUBJECT = "Scenario or suite (TOML), or name of a shipped one; - reads standard input."
+AXES = "Key and its values, as MIN:MAX:STEP or V,V,...; repeat for a grid."
+NAMES = "Quantities to compute, from the list below; by default the ballistic limit."
 ONE_SCENARIO = "must be given with one scenario, not with several or a folder"
 BEST = "best.toml"
 
@@ -98,11 +102,7 @@ def compare(
 
 
 def check(
-    scenario: list[Path] = options.argument(
-        "SCENARIO",
-        "Scenario files (TOML), folders of them, or shipped scenarios; - reads standard input.",
-        words=completion.scenarios,
-    ),
+    scenario: list[Path] = options.argument("SCENARIO", SCENARIOS, words=completion.scenarios),
     cases: Path | None = options.file("Table of offers: check the armour of each row in place of the scenario's."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
@@ -371,19 +371,11 @@ def uncertainty(
 def sweep(
     scenario: Path = options.SCENARIO,
     output: Path | None = options.file("Table to write, .csv or .parquet, in place of a few rows.", "--output", "-o"),
-    over: list[str] | None = options.text(
-        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat for a grid.",
-        metavar="KEY=VALUES",
-        words=completion.axes,
-    ),
+    over: list[str] | None = options.text(AXES, metavar="KEY=VALUES", words=completion.axes),
     cases: Path | None = options.file("CSV file of cases, in place of --over: a row each, below the names of keys."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
-    quantities: str | None = options.text(
-        "Quantities to compute, from the list below; by default the ballistic limit.",
-        metavar="NAME,...",
-        words=completion.quantities,
-    ),
+    quantities: str | None = options.text(NAMES, metavar="NAME,...", words=completion.quantities),
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
     scheduler: str = options.text(
@@ -427,11 +419,7 @@ def sweep(
 
 
 def report(
-    source: Path = options.argument(
-        "SCENARIO|SUITE",
-        "Scenario or suite (TOML), or name of a shipped one; - reads standard input.",
-        words=completion.scenarios_and_suites,
-    ),
+    source: Path = options.argument("SCENARIO|SUITE", SUBJECT, words=completion.scenarios_and_suites),
     output: Path = typer.Option(
         Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
     ),

@@ -19,14 +19,11 @@ from armour.files import suite_file
 from armour.reporting.table import Table, csv_text, grouped
 from armour.scenario.keys import changes_of
 
+SUITE = "Suite file (TOML), or a shipped suite, such as paper (the default) or plates."
+
 
 def validate(
-    suite: Path | None = options.argument(
-        "SUITE",
-        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates.",
-        None,
-        words=completion.suites,
-    ),
+    suite: Path | None = options.argument("SUITE", SUITE, None, words=completion.suites),
     only: str = options.text("Check only cases whose name contains the text.", metavar="TEXT", default=""),
     changes: list[str] | None = options.CHANGES,
     update: bool = options.flag("Replace the suite's regression values with the computed ones.", "--update"),

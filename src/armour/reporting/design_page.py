@@ -187,11 +187,7 @@ def _nodes(layer: Layer, nodes: int) -> Floats:
 
 
 def _pair(
-    catalogue: Catalogue,
-    pair: int,
-    grid: tuple[Floats, Floats],
-    probabilities: tuple[float, ...],
-    on_progress: OnProgress,
+    catalogue: Catalogue, pair: int, grid: Sequence[Floats], probabilities: tuple[float, ...], on_progress: OnProgress
 ) -> dict[str, Any]:
     """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm."""
     ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)

@@ -53,9 +53,7 @@ class Report:
     pages: "tuple[Report, ...]" = ()  # further pages of the same file
 
 
-def section_of(
-    heading: str, lines: Sequence[Table | str], picture: Callable[[Any], Any] | None = None
-) -> ReportSection:
+def section_of(heading: str, lines: Sequence[Table | str], picture: Callable[..., Any] | None = None) -> ReportSection:
     """Return the section with tables and notes, and with a picture, if any, which is folded."""
     tables = tuple(line for line in lines if isinstance(line, Table))
     paragraphs = tuple(line for line in lines if not isinstance(line, Table))

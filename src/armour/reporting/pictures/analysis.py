@@ -158,10 +158,8 @@ class _Scene:
         `start` is the x of the front face; depth, length and bulge are those of the moment.
         """
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
-        for colour, near, far, pattern in (
-            (CERAMIC_COLOUR, 0.0, self.ceramic, hatch),
-            (METAL_COLOUR, self.ceramic, total, ""),
-        ):
+        layers = (CERAMIC_COLOUR, 0.0, self.ceramic, hatch), (METAL_COLOUR, self.ceramic, total, "")
+        for colour, near, far, pattern in layers:
             ahead = max(near + (bulge if near else 0.0), depth)
             beside = [(near, far, -high, -half), (near, far, half, high)]
             for first, last, low, top in [*beside, (ahead, far + bulge, -half, half)]:

@@ -263,13 +263,11 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
     return 0.6 + 0.2 * titled + max(0.21, 0.16 * lines) * len(list(names))
 
 
-def rows(
-    axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
-) -> None:
+def rows(axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[Any]], start: float | None = None) -> None:
     """Draw series of values as marks, with a row for each name, the first on top.
 
     Stems begin at the x `start`, if it is given.
-    `values` has the series by label, each with a value for every name, None to leave it out.
+    `values` has the series by label, each with a number for every name, None to leave it out.
     """
     axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)

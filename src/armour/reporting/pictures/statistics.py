@@ -16,8 +16,6 @@ from armour.statistics.v50 import FiringResult, Shots
 
 # Kinds of shots: label, whether the penetration is complete, colour and marker.
 PENETRATIONS = (("stopped", False, drawing.GREEN, "o"), ("perforated", True, drawing.VERMILION, "^"))
-# What is drawn where the probability is not known.
-ALONE = "stopped, with the model taken as exact"
 
 
 @draw.register
@@ -33,7 +31,7 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
-    axes.set(ylabel="stops a shot" if shares else ALONE, ylim=(0.0, 1.0))
+    axes.set(ylabel="stops a shot" if shares else "stopped, with the model taken as exact", ylim=(0.0, 1.0))
     stops, below, above = (1.0 - np.array(ends) for ends in (shares or curve.by_distributions, curve.high, curve.low))
     axes.fill_between(curve.velocity_m_s, below, above, color=drawing.BLUE, **drawing.BAND)
     axes.plot(curve.velocity_m_s, stops, color=drawing.BLUE)

@@ -251,7 +251,6 @@ def next_step(result: CheckResult) -> tuple[str, str]:
 
 def details(result: CheckResult) -> list[Table | str]:
     """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat."""
-    scenario = result.question["scenario"]
     shown = list[Table | str]()
     if result.whole_thickness_mm != result.thickness_mm:
         whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
@@ -262,7 +261,7 @@ def details(result: CheckResult) -> list[Table | str]:
         against = f"against {threat.threat}: " * (len(result.threats) > 1)
         told = *phrases.v50_notes(threat, threat.velocity_m_s), *phrases.basis_notes(threat)
         notes += [against + note for note in told]
-    return [*shown, *tables, *notes, *phrases.threat_notes(scenario)]
+    return [*shown, *tables, *notes, *phrases.threat_notes(result.question["scenario"])]
 
 
 def _detail_table(threat: CheckedThreat) -> Table:

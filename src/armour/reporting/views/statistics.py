@@ -343,8 +343,7 @@ def estimates(result: FiringResult) -> list[Table | str]:
     if result.recommended is not None:
         shown += [recommended_table(result.recommended, result.confidence), PENALISED]
     if result.prior is not None and result.posterior is not None:
-        table = prior_table(result.prior, result.posterior, result.confidence)
-        shown += [table, SCATTER_ASSUMED]
+        shown += [prior_table(result.prior, result.posterior, result.confidence), SCATTER_ASSUMED]
     return shown
 
 
