@@ -24,6 +24,7 @@ SHOTS = (
     "`armour init FILE.csv --from tests/shots` writes an example."
 )
 TESTS = "CSV file of tests. `armour init FILE.csv --from tests/wilkins` writes an example."
+FIT = "Input to fit, by default the ceramic's flow stress; repeatable."
 WHERE = options.text("Read only rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 IGNORE = options.text("Count all rows whatever this column, which is not read, says; repeatable.", metavar="COLUMN")
 EACH = options.text("Give an answer for each value of this column, such as lot.", metavar="COLUMN")
@@ -117,9 +118,7 @@ def v50(
 def calibrate(
     table: Path = options.argument("TESTS", TESTS, words=completion.tables),
     scenario: Path = options.SCENARIO,
-    fit: list[str] | None = options.text(
-        "Input to fit, by default the ceramic's flow stress; repeatable.", metavar="INPUT", words=completion.inputs
-    ),
+    fit: list[str] | None = options.text(FIT, metavar="INPUT", words=completion.inputs),
     law: str | None = options.text(
         "Law of the flow stress to fit: constant, ceramic, backing, product or linear.",
         metavar="LAW",

@@ -18,10 +18,9 @@ from armour.sweeps.cases import Grid, SweepCases, axis_of
 from armour.sweeps.sweep import Effort, subject_of, sweep_in_memory, write_sweep
 from armour.sweeps.tables import read_table
 
-# Quantity of a table by default, those shown without a table, and the most rows without one.
+# Quantity of a table by default, and those shown without a table.
 LIMIT = "ballistic_limit_m_s"
 ANSWERED = (LIMIT, "expected_limit_m_s", "probability_of_stopping", VERDICT)
-MOST_SHOWN = 1000
 # Sweeps that take longer than this, s, are announced.
 ANNOUNCED_S = 10.0
 
@@ -97,7 +96,7 @@ def show_rows(
 ) -> None:
     """Compute a sweep without a table to write, show its first rows, and draw the first quantity to ``plot``."""
     with progress("rows", source.count) as count:
-        result = sweep_in_memory(scenario, source, quantities, None, MOST_SHOWN)
+        result = sweep_in_memory(scenario, source, quantities, None, 1000)  # at most so many rows
         count(source.count, None)
     data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
     runner.show_answer(data, () if as_json else tables_of_sweep(result), scenario, as_json=as_json)

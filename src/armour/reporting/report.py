@@ -12,9 +12,6 @@ from armour.files import read_toml, shipped
 from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
 
-# Packages whose versions the results can depend on.
-PACKAGES = ("numpy", "scipy")
-
 
 @dataclass(frozen=True)
 class ReportSection:
@@ -67,7 +64,7 @@ def origin_section(command: str, words: str = "", scenario: Scenario | None = No
     `words`, if given, are its first paragraph.
     """
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
-    versions += installed(PACKAGES)
+    versions += installed(("numpy", "scipy"))  # on which the results can depend
     table = Table((Column("program"), Column("version")), tuple(versions))
     content = f"SHA-256 of the scenario's content: {scenario.digest()}" if scenario else ""
     paragraphs = (*filter(None, (words, content)), "Made by:")

@@ -52,12 +52,10 @@ METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"Creati
 WIDTH, PANEL = 5.2, 2.6
 # Width of a plain and of a bold character, as fractions of the font size.
 CHARACTER, BOLD = 0.56, 0.64
-# Styles of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name.  CAP is the
-# width of the caps of an error bar, points.
+# Styles of a reference line, of a shaded range, of a band about a curve.
 RULE: Any = {"linewidth": 1.0, "color": INK}
 SHADE: Any = {"color": SOFT, "alpha": 0.18, "linewidth": 0}
 BAND: Any = {"alpha": 0.3, "linewidth": 0}
-CAP = 3.0
 
 
 class NotebookFigure(Figure):
@@ -219,7 +217,7 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
     low, high = np.sort(np.array(ends, float), axis=1).T
     # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
     middles, halves = (0.5 * (low + high)).tolist(), (0.5 * (high - low)).tolist()
-    axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=CAP)
+    axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=3.0)
 
 
 def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
