@@ -101,7 +101,7 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     assert line.endswith("; --yes to go on")
     assert list(folder.iterdir()) == []
     monkeypatch.setattr("armour.sweeps.sweep.LONG_S", 0.0)
-    monkeypatch.setattr("armour.cli.runner.ANNOUNCED_S", 0.0)
+    monkeypatch.setattr("armour.cli.sweeping.ANNOUNCED_S", 0.0)
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
     assert result.stderr.splitlines() == ["1 row; about 1 second", "wrote t.csv: 1 row"]
 

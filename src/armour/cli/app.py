@@ -121,13 +121,9 @@ def _armour(
         ctx.get_help()  # which prints it
 
 
-plan = typer.Typer(cls=Reporting, no_args_is_help=True, rich_markup_mode=None)
-
-
-@plan.callback()
-def _plan() -> None:
-    """Plan the next shot of a V50 firing."""
-
+plan = typer.Typer(
+    cls=Reporting, help="Plan the next shot of a V50 firing.", no_args_is_help=True, rich_markup_mode=None
+)
 
 # Commands by their heading in the help.
 COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {

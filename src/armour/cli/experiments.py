@@ -23,6 +23,8 @@ SHOTS = (
     "CSV file with the columns velocity_m_s and result (stopped or perforated, or partial and complete). "
     "`armour init FILE.csv --from tests/shots` writes an example."
 )
+TESTS = "CSV file of tests. `armour init FILE.csv --from tests/wilkins` writes an example."
+FIT = "Input to fit, by default the ceramic's flow stress; repeatable."
 WHERE = options.text("Read only rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 IGNORE = options.text("Count all rows whatever this column, which is not read, says; repeatable.", metavar="COLUMN")
 EACH = options.text("Give an answer for each value of this column, such as lot.", metavar="COLUMN")
@@ -82,14 +84,11 @@ def v50(
     only_one = "must be given without --each"
     check_options(("--csv", csv and each is not None, only_one), ("--plot", plot and each is not None, only_one))
     settings = options.given(pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior, at_m_s=at_m_s)
-    required = options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
-    settings |= options.given(fraction=fraction) | required
+    settings |= options.given(fraction=fraction)
+    settings |= options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
     choice = Choice(chosen(where), ignore or (), sheet)
     with progress("impacts") as count, runner.as_options("v50"):
-
-        def estimate(fired: armour.Shots) -> armour.FiringResult:
-            return armour.v50(fired, loaded, on_progress=count, **settings)
-
+        estimate: Any = partial(armour.v50, scenario=loaded, on_progress=count, **settings)
         if each is not None:
             parts: Any = each_result(estimate, table, each, choice)
             found: Any = compared(parts.results, parts.unanswered)
@@ -98,10 +97,10 @@ def v50(
             found = estimate(choice.read(table, one_kind=prior))
             results, unanswered = [found], {}
 
-    def record(path: Path) -> str:
-        return runner.page(firing_report(found, runner.command_line()), path)
-
-    files: Files = {csv: lambda _: rows_csv(found), report: record}
+    files: Files = {
+        csv: lambda _: rows_csv(found),
+        report: lambda path: runner.page(firing_report(found, runner.command_line()), path),
+    }
     answer(found, loaded, files, plot=plot, file=_files_read(table, loaded), as_json=as_json, verbose=verbose)
     if each is None and found.decision == "not decided":
         words = ["--requirement-m-s", f"{requirement_m_s:g}"]
@@ -117,15 +116,9 @@ def v50(
 
 
 def calibrate(
-    table: Path = options.argument(
-        "TESTS",
-        "CSV file of tests. `armour init FILE.csv --from tests/wilkins` writes an example.",
-        words=completion.tables,
-    ),
+    table: Path = options.argument("TESTS", TESTS, words=completion.tables),
     scenario: Path = options.SCENARIO,
-    fit: list[str] | None = options.text(
-        "Input to fit, by default the ceramic's flow stress; repeatable.", metavar="INPUT", words=completion.inputs
-    ),
+    fit: list[str] | None = options.text(FIT, metavar="INPUT", words=completion.inputs),
     law: str | None = options.text(
         "Law of the flow stress to fit: constant, ceramic, backing, product or linear.",
         metavar="LAW",
@@ -258,6 +251,7 @@ def plan_shots(
     inputs, updated = [loaded, table], table if is_fired or undo else None
     check_outputs((plot, PICTURE), inputs=inputs, updated=updated, force=force)
     needing_table = {"--where": where, "--sheet": sheet, "--each": each, "--result": result, "--undo": undo}
+    not_a_number = f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}"
     excluded_by_change = {"--sheet": sheet, "--each": each, "--undo": undo and is_fired}
     check_options(
         ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
@@ -265,23 +259,13 @@ def plan_shots(
         *((name, table is None and value, "must be given with SHOTS") for name, value in needing_table.items()),
         *((name, updated and value, f"must be given without {change}") for name, value in excluded_by_change.items()),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
-        (
-            "--velocity-m-s",
-            isinstance(velocity_m_s, str),
-            f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}",
-        ),
+        ("--velocity-m-s", isinstance(velocity_m_s, str), not_a_number),
         ("--plot", plot and each is not None, "must be given without --each"),
     )
-    settings = options.given(
-        procedure=procedure,
-        half_width_m_s=half_width_m_s,
-        confidence=confidence,
-        requirement_m_s=requirement_m_s,
-        requirement_fraction=requirement_fraction,
-        scatter_percent=scatter_percent,
-        scatter_factor=scatter_factor,
-        limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s),
-    )
+    settings = options.given(procedure=procedure, half_width_m_s=half_width_m_s, confidence=confidence)
+    settings |= options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
+    settings |= options.given(scatter_percent=scatter_percent, scatter_factor=scatter_factor)
+    settings |= options.given(limits_m_s=None if lower_m_s is None else (lower_m_s, upper_m_s))
     choice = firings.Choice(chosen(where), ignore or (), sheet)
     with locked(updated):
         with progress("impacts") as count, runner.as_options("plan_shots", LIMITS):

@@ -17,9 +17,6 @@ from armour.planning.shot_file import content_of, with_shot, without_last
 from armour.scenario.keys import describe
 from armour.statistics.v50 import Shots, is_of_shots, lots_of, shots_of
 
-# Relative difference between measured and planned velocity above which there is a warning.
-FAR_FROM_PLAN = 0.1
-
 
 class Choice(NamedTuple):
     """Which rows of a table are read: values by column, columns to ignore, and the sheet of a workbook."""
@@ -95,7 +92,7 @@ def plan_after(
     if message := far_from(limit, velocity):
         raise wrong_option("--velocity-m-s", message)
     notes = []
-    if planned is not None and abs(velocity - planned) > FAR_FROM_PLAN * planned:
+    if planned is not None and abs(velocity - planned) > 0.1 * planned:
         words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
         notes.append(Note(words))
     content = with_shot(table, velocity, result, choice.where, target)

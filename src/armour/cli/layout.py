@@ -166,10 +166,8 @@ def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> Iterator
         number = _longest(text for column, text in quantities if column.numeric)
         labels = [_unbroken(column.label) for column, _ in quantities]
         values = [text.rjust(number, STAND_IN) if column.numeric else text for column, text in quantities]
-        values = [
-            f"{value}{STAND_IN}{column.unit}" if column.unit and value[-1].isdigit() else value
-            for value, (column, _) in zip(values, quantities, strict=True)
-        ]
+        units = [STAND_IN + column.unit if column.unit and text[-1].isdigit() else "" for column, text in quantities]
+        values = [value + unit for value, unit in zip(values, units, strict=True)]
         limits = [(_longest_word(column), _longest(column)) for column in (labels, values)]
         widths = _shared(limits, room) or [least for least, _ in limits]
         if index:

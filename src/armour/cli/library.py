@@ -20,17 +20,14 @@ from armour.reporting.views import library as views
 from armour.scenario.library import search_library
 from armour.scenario.scenario import scenario_schema
 
+WORDS = "A name, or words of names and descriptions, or a kind, such as metals."
+SOURCES = "Copy the shipped file of this name; for files or folders of scenarios, write a suite that watches them."
 # First line of a scenario, by which editors find the schema to check it; see docs/howto/schema.md.
 SCHEMA_LINE = b"#:schema ./scenario.schema.json\n"
 
 
 def library(
-    words: list[str] | None = options.argument(
-        "WORDS",
-        "A name, or words of names and descriptions, or a kind, such as metals.",
-        None,
-        words=completion.entries,
-    ),
+    words: list[str] | None = options.argument("WORDS", WORDS, None, words=completion.entries),
     as_json: bool = options.AS_JSON,
 ) -> None:
     """List or search rounds, materials and threats.
@@ -62,12 +59,7 @@ def library(
 
 def init(
     file: Path = typer.Argument(Path("scenario.toml"), metavar="FILE", help="File to write to."),
-    sources: list[str] | None = options.text(
-        "Copy the shipped file of this name; for files or folders of scenarios, write a suite that watches them.",
-        "--from",
-        metavar="NAME",
-        words=completion.shipped_names,
-    ),
+    sources: list[str] | None = options.text(SOURCES, "--from", metavar="NAME", words=completion.shipped_names),
     names: bool = options.flag("List the shipped scenarios, suites, tables of tests and notebooks.", "--list"),
     force: bool = options.FORCE,
 ) -> None:
@@ -83,12 +75,7 @@ def init(
         show(*views.shipped_tables())
         return
     suites = files.shipped_suites()
-    shipped = {
-        **files.shipped_files("scenarios", ".toml"),
-        **suites,
-        **files.shipped_tests(),
-        **files.shipped_notebooks(),
-    }
+    shipped = files.shipped_files("scenarios", ".toml") | suites | files.shipped_tests() | files.shipped_notebooks()
     source, *others = sources or ["template"]
     if others or source not in shipped:
         _init_suite(file, [source, *others], shipped, force=force)

@@ -25,8 +25,6 @@ from armour.scenario.keys import changes_of, is_read, line_of, lines_of, upwards
 from armour.scenario.scenario import Scenario, files_of, parse_changed, scenario_file
 
 Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
-# Computations that take longer than this, s, are announced.
-ANNOUNCED_S = 10.0
 # Exit codes: a question without an answer, and a check that failed.
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
@@ -108,9 +106,9 @@ def mistakes_in(junit: Path | None, inputs: Sequence[Path], *, force: bool) -> I
         yield
     except InputError as error:
         if junit is not None:
+            found = with_lines(error.problems)
             cases = [
-                TestCase(problem.file, problem.key or "file", "error", str(problem), None, problem.file, line)
-                for problem, line in with_lines(error.problems)
+                TestCase(each.file, each.key or "file", "error", str(each), None, each.file, at) for each, at in found
             ]
             with suppress(InputError):
                 check_outputs(junit=junit, inputs=[*inputs, *(problem.file for problem in error.problems)], force=force)
@@ -143,9 +141,8 @@ def read_scenario(
     if not by_model:
         return required
     if any(required.required_probabilities()):
-        raise wrong_option(
-            "--by-model", "must be given without a required probability, as the model has none; leave it out"
-        )
+        message = "must be given without a required probability, as the model has none; leave it out"
+        raise wrong_option("--by-model", message)
     return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
 
@@ -247,12 +244,6 @@ def picture(draw: Callable[[], Any], scenario: Scenario | None) -> Callable[[Pat
 def propose(command: str) -> None:
     """Print the command to go on with on a single line, so that it can be copied."""
     emit(f"next: {command}\n", sys.stderr)
-
-
-def announce(seconds: float, words: str) -> None:
-    """Print the words if a computation takes longer than `ANNOUNCED_S`."""
-    if seconds > ANNOUNCED_S:
-        say(words)
 
 
 def drawing() -> Any:

@@ -22,6 +22,10 @@ from armour.scenario.inputs import VELOCITY
 from armour.scenario.keys import changes_of
 from armour.scenario.scenario import scenario_file
 
+SCENARIOS = "Scenario files (TOML), folders of them, or shipped scenarios; - reads standard input."
+SUBJECT = "Scenario or suite (TOML), or name of a shipped one; - reads standard input."
+AXES = "Key and its values, as MIN:MAX:STEP or V,V,...; repeat for a grid."
+NAMES = "Quantities to compute, from the list below; by default the ballistic limit."
 ONE_SCENARIO = "must be given with one scenario, not with several or a folder"
 BEST = "best.toml"
 
@@ -98,11 +102,7 @@ def compare(
 
 
 def check(
-    scenario: list[Path] = options.argument(
-        "SCENARIO",
-        "Scenario files (TOML), folders of them, or shipped scenarios; - reads standard input.",
-        words=completion.scenarios,
-    ),
+    scenario: list[Path] = options.argument("SCENARIO", SCENARIOS, words=completion.scenarios),
     cases: Path | None = options.file("Table of offers: check the armour of each row in place of the scenario's."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
@@ -194,15 +194,11 @@ def check(
         if against is not None:
             yield views.moved_junit(moves, str(against), runner.origin_of())
 
-    def rows() -> list[dict[str, object]]:
-        if table is not None:
-            return CheckResults(results).rows()
-        return [{"scenario": views.name_of(found), **row} for found in results for row in found]
-
+    of_each = ({"scenario": views.name_of(found), **row} for found in results for row in found)
     files: Files = {
         junit: lambda _: junit_xml(suites()),
         markdown: lambda _: markdown_report(views.check_report(results, of_moved)),
-        csv: lambda _: rows_csv(rows()),
+        csv: lambda _: rows_csv(of_each if table is None else CheckResults(results).rows()),
         plot: runner.picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     runner.write(files, warnings)
@@ -219,8 +215,8 @@ def check(
 
 def _checked_data(result: "armour.CheckResult") -> dict[str, Any]:
     """Return the check of an armour as plain data, with the name and the labels of an offer."""
-    scenario, offer = result.question["scenario"], {"name", "labels"} & result.question.keys()
-    labelled = {key: result.question[key] for key in sorted(offer, reverse=True)}
+    scenario = result.question["scenario"]
+    labelled = {key: result.question[key] for key in ("name", "labels") if key in result.question}
     return {"scenario": scenario.file, **labelled, **result.to_dict(), "made_by": runner.origin_of(scenario)}
 
 
@@ -274,10 +270,9 @@ def optimise(
     loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability, by_model=by_model)
     outputs = (page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE)
     check_outputs(*outputs, inputs=[loaded], force=force)
-    source = "-" if loaded.file == runner.STANDARD_INPUT else runner.source_word(loaded.file)
     with progress("impacts") as count, runner.as_options("optimise"):
         result = armour.optimise(loaded, on_progress=count)
-        map_page = "" if page is None else _map(result, loaded, source, changes or (), count)
+        map_page = "" if page is None else _map(result, loaded, changes or (), count)
     fails = result.reason == "none passes"
     saved: Files = {} if fails else {save: lambda path: result.shown.scenario.to_toml(path.parent)}
     files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page, **saved}
@@ -292,24 +287,18 @@ def optimise(
 
 
 def _map(
-    result: "armour.DesignResult",
-    scenario: "armour.Scenario",
-    source: str,
-    changes: Sequence[str],
-    on_progress: Callable[[int, int | None], None],
+    result: "armour.DesignResult", scenario: "armour.Scenario", changes: Sequence[str], count: Callable[..., None]
 ) -> str:
-    """Return the HTML page with the map of all designs.
-
-    `source` is the scenario as a word of a command line, and `changes` are those of ``--set``.
-    """
+    """Return the HTML page with the map of all designs; `changes` are those of ``--set``; `count` shows progress."""
     from armour.design.check import deciding
     from armour.reporting import design_page, words
     from armour.reporting.by_result import in_a_line
 
+    source = "-" if scenario.file == runner.STANDARD_INPUT else runner.source_word(scenario.file)
     command, needed = ["armour", "simulate", source], runner.accepted(changes, ANSWERS["simulate"].reads)
     error = deciding(result.shown.check).model_error
     own_tests = words.tested_here(error) if error else []  # which the page does not show
-    return design_page.design_page(scenario, command, needed, on_progress, [in_a_line(result), *own_tests])
+    return design_page.design_page(scenario, command, needed, count, [in_a_line(result), *own_tests])
 
 
 def _propose_after(
@@ -382,19 +371,11 @@ def uncertainty(
 def sweep(
     scenario: Path = options.SCENARIO,
     output: Path | None = options.file("Table to write, .csv or .parquet, in place of a few rows.", "--output", "-o"),
-    over: list[str] | None = options.text(
-        "Key and its values, as MIN:MAX:STEP or V,V,...; repeat for a grid.",
-        metavar="KEY=VALUES",
-        words=completion.axes,
-    ),
+    over: list[str] | None = options.text(AXES, metavar="KEY=VALUES", words=completion.axes),
     cases: Path | None = options.file("CSV file of cases, in place of --over: a row each, below the names of keys."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
-    quantities: str | None = options.text(
-        "Quantities to compute, from the list below; by default the ballistic limit.",
-        metavar="NAME,...",
-        words=completion.quantities,
-    ),
+    quantities: str | None = options.text(NAMES, metavar="NAME,...", words=completion.quantities),
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
     scheduler: str = options.text(
@@ -438,11 +419,7 @@ def sweep(
 
 
 def report(
-    source: Path = options.argument(
-        "SCENARIO|SUITE",
-        "Scenario or suite (TOML), or name of a shipped one; - reads standard input.",
-        words=completion.scenarios_and_suites,
-    ),
+    source: Path = options.argument("SCENARIO|SUITE", SUBJECT, words=completion.scenarios_and_suites),
     output: Path = typer.Option(
         Path("report.html"), "--output", "-o", metavar="FILE", help="File to write, .html or .md."
     ),

@@ -19,14 +19,11 @@ from armour.files import suite_file
 from armour.reporting.table import Table, csv_text, grouped
 from armour.scenario.keys import changes_of
 
+SUITE = "Suite file (TOML), or a shipped suite, such as paper (the default) or plates."
+
 
 def validate(
-    suite: Path | None = options.argument(
-        "SUITE",
-        "Suite file (TOML), or a shipped suite, such as paper (the default) or plates.",
-        None,
-        words=completion.suites,
-    ),
+    suite: Path | None = options.argument("SUITE", SUITE, None, words=completion.suites),
     only: str = options.text("Check only cases whose name contains the text.", metavar="TEXT", default=""),
     changes: list[str] | None = options.CHANGES,
     update: bool = options.flag("Replace the suite's regression values with the computed ones.", "--update"),
@@ -87,14 +84,12 @@ def validate(
     judged = judging.kept_by_update(result) if update else result
     tables = views.tables_of_suite(judged.of(every_row=verbose)) if judged.checks else ()
     runner.show_answer(result.to_dict(), tables, as_json=as_json)
-    runner.write(
-        {
-            markdown: lambda _: markdown_report(views.suite_report(result)),
-            junit: lambda _: views.suite_junit(result, seconds, runner.origin_of()),
-            updated: updated_content,
-        },
-        [f"warning: {text}" for text in result.warnings],
-    )
+    outputs: runner.Files = {
+        markdown: lambda _: markdown_report(views.suite_report(result)),
+        junit: lambda _: views.suite_junit(result, seconds, runner.origin_of()),
+        updated: updated_content,
+    }
+    runner.write(outputs, [f"warning: {text}" for text in result.warnings])
     if judged.count(*judging.FAILED) or not result.is_scored:
         raise typer.Exit(runner.CHECK_FAILED)
 

@@ -18,10 +18,11 @@ from armour.sweeps.cases import Grid, SweepCases, axis_of
 from armour.sweeps.sweep import Effort, subject_of, sweep_in_memory, write_sweep
 from armour.sweeps.tables import read_table
 
-# Quantity of a table by default, those shown without a table, and the most rows without one.
+# Quantity of a table by default, and those shown without a table.
 LIMIT = "ballistic_limit_m_s"
 ANSWERED = (LIMIT, "expected_limit_m_s", "probability_of_stopping", VERDICT)
-MOST_SHOWN = 1000
+# Sweeps that take longer than this, s, are announced.
+ANNOUNCED_S = 10.0
 
 
 def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = ()) -> SweepCases:
@@ -71,15 +72,15 @@ def write_and_show(
         def approve(effort: Effort) -> None:
             if effort.is_large and not yes:
                 raise mistake("sweep", "", f"{effort.words}; --yes to go on")
-            runner.announce(effort.seconds, effort.words)
+            if effort.seconds > ANNOUNCED_S:
+                say(effort.words)
 
         calls: Any = {"approve": approve, "tell": say, "command": runner.command_line()}
         calls["on_chunk"] = lambda rows, stored: count(rows, stored=stored)
         write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **calls)
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
-    data = {"rows": source.count, "output": str(output)}
-    runner.show_answer(data, shown, scenario=scenario, as_json=as_json)
+    runner.show_answer({"rows": source.count, "output": str(output)}, shown, scenario, as_json=as_json)
 
     def figure() -> Any:
         from armour.reporting.pictures import drawing, sweeps
@@ -95,11 +96,10 @@ def show_rows(
 ) -> None:
     """Compute a sweep without a table to write, show its first rows, and draw the first quantity to ``plot``."""
     with progress("rows", source.count) as count:
-        result = sweep_in_memory(scenario, source, quantities, None, MOST_SHOWN)
+        result = sweep_in_memory(scenario, source, quantities, None, 1000)  # at most so many rows
         count(source.count, None)
     data = {"rows": source.count, "output": None, "columns": result.to_dict()} if as_json else {}
-    tables = () if as_json else tables_of_sweep(result)
-    runner.show_answer(data, tables, scenario=scenario, as_json=as_json)
+    runner.show_answer(data, () if as_json else tables_of_sweep(result), scenario, as_json=as_json)
     warnings = [*_notes(quantities), *(f"warning: {note}" for note in result.notes)]
     runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)}, warnings)
 

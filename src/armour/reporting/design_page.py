@@ -187,11 +187,7 @@ def _nodes(layer: Layer, nodes: int) -> Floats:
 
 
 def _pair(
-    catalogue: Catalogue,
-    pair: int,
-    grid: tuple[Floats, Floats],
-    probabilities: tuple[float, ...],
-    on_progress: OnProgress,
+    catalogue: Catalogue, pair: int, grid: Sequence[Floats], probabilities: tuple[float, ...], on_progress: OnProgress
 ) -> dict[str, Any]:
     """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm."""
     ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)
@@ -208,7 +204,9 @@ def _pair(
         "hull": "" if counts else density * float(backings[0]) * MM,
         "ceramics": ceramics.tolist(),
         "backings": backings.tolist(),
-        "offered": [_places(ceramics, offer.ceramic), _places(backings, offer.backing)],
+        "offered": [
+            np.searchsorted(mm, layer.thicknesses()).tolist() for mm, layer in zip(grid, offer[:2], strict=True)
+        ],
         "excluded": np.flatnonzero(violations > 0.0).tolist(),
         "untested": catalogue.untested[pair],
         "tested": [_tested(catalogue, designs, tiled=tiled) for tiled in (False, True)],
@@ -232,20 +230,16 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
     known = ~np.isnan(designs.by_tests_m_s[..., 0]).reshape(-1, count)[places]
     rows, of_threats = catalogue.against_each(designs.candidates), []
     for threat in range(count):
-        row_known, row_unknown = (
-            rows.at(places[of_threat.argmax(), None] * count + threat)
-            for of_threat in (known[:, threat], ~known[:, threat])
-        )
+        firsts = (places[each.argmax(), None] for each in (known[:, threat], ~known[:, threat]))
+        row_known, row_unknown = (rows.at(place * count + threat) for place in firsts)
         _, error, _ = limit_and_error(row_known, ignore_progress)
         tested = what_was_tested(catalogue.threats[threat], row_known.armours)
-        sizes = zip(LAYERS.values(), (designs.ceramic_mm, designs.backing_mm), strict=True)
+        sizes = zip(LAYERS.values(), (designs.ceramic_mm.tolist(), designs.backing_mm.tolist()), strict=True)
+        words = {f"{layer}s": [str(tested.far(layer, mm) or "") for mm in sizes_mm] for layer, sizes_mm in sizes}
         of_threats.append(
             {
                 **tested.thicknesses_mm,
-                **{
-                    f"{layer}s": [str(tested.far(layer, mm) or "") for mm in sizes_mm.tolist()]
-                    for layer, sizes_mm in sizes
-                },
+                **words,
                 "far": list(map(str, tested.others)),
                 "source": "" if error is None else error.source,
                 "floor": error is not None and bool(error.at_least),
@@ -288,11 +282,6 @@ def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
         "caveats": [(sentence(words), most_mm) for words, most_mm in notes],
         "low": is_limit_too_low(rows.armours.parameters)[:threats].tolist(),
     }
-
-
-def _places(nodes: Floats, layer: Layer) -> list[int]:
-    """Return the indices of the thicknesses on offer among the nodes, mm."""
-    return np.searchsorted(nodes, layer.thicknesses()).tolist()
 
 
 def _numbers(designs: DesignMap) -> dict[str, Any]:

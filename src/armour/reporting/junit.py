@@ -43,15 +43,11 @@ def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Ma
     for case in cases:
         counts[case.group, case.title] += 1
         count = counts[case.group, case.title]
-        number = f" ({count})" if count > 1 else ""  # services merge cases of equal names
-        title = printable(case.title) + number
+        title = printable(case.title) + (f" ({count})" if count > 1 else "")  # services merge cases of equal names
         element = ElementTree.SubElement(suite, "testcase", classname=printable(case.group), name=title)
-        if case.file:
-            element.set("file", printable(case.file))
-        if case.line is not None:
-            element.set("line", str(case.line))
-        if case.seconds is not None:
-            element.set("time", f"{case.seconds:.3f}")
+        time = "" if case.seconds is None else f"{case.seconds:.3f}"
+        attributes = {"file": printable(case.file), "line": str(case.line or ""), "time": time}
+        element.attrib |= {name: text for name, text in attributes.items() if text}
         if case.result:
             message = printable(case.message)
             # GitLab shows the text of the element, others its attribute.

@@ -12,19 +12,14 @@ from armour.reporting.table import Column, Table, sentence
 from armour.reporting.views import statistics as views
 from armour.statistics.v50 import FiringResult, LotResults, MeanV50, Shots
 
-SIGNED = ("Fired by", "Checked by")
-
 
 def firing_report(result: Result, command: str) -> Report:
     """Make the record of a firing, or of several lots, each on a page of its own; `command` makes the record."""
     if isinstance(result, FiringResult):
         return _page(result, command)
     assert isinstance(result, LotResults)
-    pages = [
-        _page(lot, command, name, views.difference_words(result, name))
-        for name, lot in result.results.items()
-        if isinstance(lot, FiringResult)
-    ]
+    lots = {name: lot for name, lot in result.results.items() if isinstance(lot, FiringResult)}
+    pages = [_page(lot, command, name, views.difference_words(result, name)) for name, lot in lots.items()]
     unanswered = tuple(f"{name}: {reason}" for name, reason in result.unanswered.items())
     if not pages:
         return Report("Record of a firing", "", (), warnings=unanswered)
@@ -56,7 +51,7 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
             _not_used(shots, name),
             replace(origin_section(command, read, result.question.get("scenario")), folded=False),
         ),
-        signed=SIGNED,
+        signed=("Fired by", "Checked by"),
     )
 
 
@@ -64,14 +59,11 @@ def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
     """Tabulate the shots used, and which of them a mean is of."""
     if mean is None:
         return views.shot_table(shots)
-    return views.shot_table(shots, _averaged(shots, mean.pairs), f"in the mean of {mean.pairs} + {mean.pairs}")
-
-
-def _averaged(shots: Shots, pairs: int) -> set[int]:
-    """Return the indices of the shots in the mean: those of the fastest partial and slowest complete penetrations."""
+    # The mean is of the fastest partial and the slowest complete penetrations.
     order = sorted(range(len(shots.complete)), key=lambda i: shots.velocities_m_s[i])
     partial, complete = ([i for i in order if shots.complete[i] == kind] for kind in (False, True))
-    return {*partial[-pairs:], *complete[:pairs]}
+    averaged = {*partial[-mean.pairs :], *complete[: mean.pairs]}
+    return views.shot_table(shots, averaged, f"in the mean of {mean.pairs} + {mean.pairs}")
 
 
 def _not_used(shots: Shots, name: str) -> ReportSection:

@@ -12,9 +12,6 @@ from armour.files import read_toml, shipped
 from armour.reporting.table import Column, Table
 from armour.scenario.scenario import Scenario
 
-# Packages whose versions the results can depend on.
-PACKAGES = ("numpy", "scipy")
-
 
 @dataclass(frozen=True)
 class ReportSection:
@@ -53,9 +50,7 @@ class Report:
     pages: "tuple[Report, ...]" = ()  # further pages of the same file
 
 
-def section_of(
-    heading: str, lines: Sequence[Table | str], picture: Callable[[Any], Any] | None = None
-) -> ReportSection:
+def section_of(heading: str, lines: Sequence[Table | str], picture: Callable[..., Any] | None = None) -> ReportSection:
     """Return the section with tables and notes, and with a picture, if any, which is folded."""
     tables = tuple(line for line in lines if isinstance(line, Table))
     paragraphs = tuple(line for line in lines if not isinstance(line, Table))
@@ -69,7 +64,7 @@ def origin_section(command: str, words: str = "", scenario: Scenario | None = No
     `words`, if given, are its first paragraph.
     """
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
-    versions += installed(PACKAGES)
+    versions += installed(("numpy", "scipy"))  # on which the results can depend
     table = Table((Column("program"), Column("version")), tuple(versions))
     content = f"SHA-256 of the scenario's content: {scenario.digest()}" if scenario else ""
     paragraphs = (*filter(None, (words, content)), "Made by:")

@@ -41,11 +41,7 @@ ONE_SHOT = "One shot, far from edges and joints; this report does not replace fi
 
 
 def scenario_report(
-    scenario: Scenario,
-    command: str,
-    on_progress: OnProgress = ignore_progress,
-    *,
-    as_is: bool = False,
+    scenario: Scenario, command: str, on_progress: OnProgress = ignore_progress, *, as_is: bool = False
 ) -> Report:
     """Compute a scenario and make the report on it.
 

@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 
 
 @usual_errors()
-def plot(
-    result: Result,
-    *,
-    title: str | None = None,
-    ax: "Axes | None" = None,
-) -> "Figure":
+def plot(result: Result, *, title: str | None = None, ax: "Axes | None" = None) -> "Figure":
     """Draw a result as its command does with ``--plot``.
 
     A notebook shows the figure; ``savefig`` writes it to a file.

@@ -15,7 +15,7 @@ from textwrap import wrap
 from typing import Any, Self
 
 from armour.analysis.quantities import QUANTITIES, label_and_unit
-from armour.files import csv_cell, printable
+from armour.files import csv_cell, finite, printable
 from armour.units import ENDINGS
 
 Cell = float | int | str | None
@@ -92,11 +92,6 @@ def beside(value: float, bound: float, decimals: int, *, at_most: bool = False) 
     if side * value < side * bound <= side * rounded:
         rounded = (ceil if at_most else floor)(value * scale) / scale
     return number(rounded, f".{decimals}f")
-
-
-def with_interval(value: float, ends: tuple[float | None, float | None] | None, spec: str) -> str:
-    """Format an estimate with its interval, such as "0.80 (0.79 to 0.81)"."""
-    return f"{number(value, spec)} ({interval(ends, spec)})"
 
 
 def interval(ends: tuple[float | None, float | None] | None, spec: str) -> str:
@@ -201,11 +196,6 @@ def in_words(name: str) -> str:
     return Column.of(name).heading
 
 
-def deviation_percent(value: float | None, reference: float) -> float | None:
-    """Return the relative deviation of a value from a reference, %; None if there is no value."""
-    return None if value is None else 100.0 * (value / reference - 1.0)
-
-
 def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[Any]]:
     """Group items by the value of a function, in the order of first appearance."""
     groups: dict[Any, list[Any]] = {}
@@ -261,6 +251,4 @@ def _with_ends(row: Mapping[str, Any]) -> Iterator[tuple[str, Cell]]:
 
 def _csv_cell(cell: Cell) -> Cell:
     """Return a cell as CSV has it: text safe for spreadsheets, and nothing for NaN and infinity."""
-    if isinstance(cell, str):
-        return csv_cell(cell)
-    return None if cell is None or not isfinite(cell) else cell
+    return csv_cell(cell) if isinstance(cell, str) else finite(cell)

@@ -130,10 +130,8 @@ def tested_here(error: ModelError) -> list[str]:
 
 def measured_here(here: TestsHere) -> str:
     """Return the limits of the same armour that own tests measured, such as "703 ± 9 and 715 m/s"; "" without any."""
-    limits = [
-        f"{limit:.0f}{f' ± {deviation:.0f}' * bool(deviation)}"
-        for limit, deviation in zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
-    ]
+    measured = zip(here.limits_m_s, here.uncertainties_m_s, strict=True)
+    limits = [f"{limit:.0f}{f' ± {deviation:.0f}' * bool(deviation)}" for limit, deviation in measured]
     return f"{joined(limits)} m/s" if limits else ""
 
 

@@ -22,14 +22,14 @@ from armour.reporting.words import chance, said_of
 from armour.scenario.inputs import VELOCITY
 from armour.units import MM
 
-VELOCITY_LINES = {
+VELOCITIES = {
     "projectile V": "velocity_m_s",
     "penetration U": "penetration_velocity_m_s",
     "target W": "target_velocity_m_s",
 }
 # Panels over time: label of the y axis, height, inches, and attribute of the history for each curve, by its label.
 PANELS: Any = (
-    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITY_LINES),
+    ("velocity, m/s", 1.1 * drawing.PANEL, VELOCITIES),
     ("penetrator length L, mm", 0.75 * drawing.PANEL, {"": "length_mm"}),
     ("depth, bulge, mm", 0.75 * drawing.PANEL, {"depth Z": "depth_mm", "bulge h": "bulge_height_mm"}),
 )
@@ -79,8 +79,7 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
     """Return sentences on what is far from the tests, and the caveats of the model."""
-    texts = (str(text) for text in (*far_of(result), *said_of(result.notes)))
-    return [*map(sentence, texts)]
+    return [sentence(str(text)) for text in (*far_of(result), *said_of(result.notes))]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
@@ -120,10 +119,9 @@ class _Scene:
         self.middles, self.width = np.cumsum(slots) - 0.5 * slots, float(slots.sum())
         self.starts = self.middles - 0.5 * (left + right)  # x of the front face of the armour
         self.high = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
-        self.words = [
-            f"{time:.3g} µs\n{velocity:.0f} m/s\n" + "\n".join(wrapped(event, EVENT_CHARACTERS))
-            for (time, event), velocity in zip(self.moments, self.velocities, strict=True)
-        ]
+        events = ("\n".join(wrapped(event, EVENT_CHARACTERS)) for _, event in self.moments)
+        told = zip(times, self.velocities, events, strict=True)
+        self.words = [f"{time:.3g} µs\n{velocity:.0f} m/s\n{event}" for time, velocity, event in told]
 
     def high_inches(self, inches: float) -> float:
         """Return the height of a panel with the pictures, inches, given its width, inches."""
@@ -160,10 +158,8 @@ class _Scene:
         `start` is the x of the front face; depth, length and bulge are those of the moment.
         """
         half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
-        for colour, near, far, pattern in (
-            (CERAMIC_COLOUR, 0.0, self.ceramic, hatch),
-            (METAL_COLOUR, self.ceramic, total, ""),
-        ):
+        layers = (CERAMIC_COLOUR, 0.0, self.ceramic, hatch), (METAL_COLOUR, self.ceramic, total, "")
+        for colour, near, far, pattern in layers:
             ahead = max(near + (bulge if near else 0.0), depth)
             beside = [(near, far, -high, -half), (near, far, half, high)]
             for first, last, low, top in [*beside, (ahead, far + bulge, -half, half)]:

@@ -18,7 +18,7 @@ from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import grouped, in_words, percent, sentence
 from armour.reporting.views import design as view
-from armour.reporting.words import chance, said_of
+from armour.reporting.words import chance, far_line, said_of
 
 # Number of nodes of a map along an axis.
 MAP_NODES = 25
@@ -194,8 +194,7 @@ def _front_notes(result: DesignResult) -> list[str]:
 
 def _caveats(threat: CheckedThreat, notes: Iterable[Note]) -> list[str]:
     """Return as sentences what is far from the tests against a threat, and the caveats of the model."""
-    far = [f"far from the tests: {', '.join(threat.far_from_tests)}"] if threat.far_from_tests else []
-    return [*map(sentence, (*far, *said_of(notes)))]
+    return [sentence(str(line)) for line in (*far_line(threat.far_from_tests), *said_of(notes))]
 
 
 @draw.register

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -52,12 +52,10 @@ METADATA: dict[str, Any] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"Creati
 WIDTH, PANEL = 5.2, 2.6
 # Width of a plain and of a bold character, as fractions of the font size.
 CHARACTER, BOLD = 0.56, 0.64
-# Styles of a reference line, of a shaded range, of a band about a curve, and of the paper behind a name.  CAP is the
-# width of the caps of an error bar, points.
+# Styles of a reference line, of a shaded range, of a band about a curve.
 RULE: Any = {"linewidth": 1.0, "color": INK}
 SHADE: Any = {"color": SOFT, "alpha": 0.18, "linewidth": 0}
 BAND: Any = {"alpha": 0.3, "linewidth": 0}
-CAP = 3.0
 
 
 class NotebookFigure(Figure):
@@ -219,7 +217,7 @@ def ranges(axes: Axes, y: Any, ends: Sequence[Sequence[float]], colour: str) -> 
     low, high = np.sort(np.array(ends, float), axis=1).T
     # As lists: matplotlib 3.10 converts arrays of one element in a way that numpy deprecates.
     middles, halves = (0.5 * (low + high)).tolist(), (0.5 * (high - low)).tolist()
-    axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=CAP)
+    axes.errorbar(middles, list(y), xerr=halves, fmt="none", ecolor=colour, capsize=3.0)
 
 
 def velocity_line(axes: Axes, velocity: float | None, colour: str, style: str, name: str = "") -> None:
@@ -263,13 +261,11 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
     return 0.6 + 0.2 * titled + max(0.21, 0.16 * lines) * len(list(names))
 
 
-def rows(
-    axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[float | None]], start: float | None = None
-) -> None:
+def rows(axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[Any]], start: float | None = None) -> None:
     """Draw series of values as marks, with a row for each name, the first on top.
 
     Stems begin at the x `start`, if it is given.
-    `values` has the series by label, each with a value for every name, None to leave it out.
+    `values` has the series by label, each with a number for every name, None to leave it out.
     """
     axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
@@ -286,32 +282,24 @@ def rows(
         points(axes, numbers[places], places, label=legible(label), filled=not index, **look)
 
 
-class Compared(NamedTuple):
-    """An expected and a computed value; `deviation` is the standard deviation of the first, 0 if none is known."""
-
-    expected: float
-    computed: float
-    deviation: float = 0.0
-
-
-def agreement(axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[Compared]]) -> None:
+def agreement(axes: Axes, quantity: str, word: str, groups: Mapping[str, Sequence[tuple[Any, Any, float]]]) -> None:
     """Draw computed over expected values of a quantity, with lines of agreement and of deviations of ± 10 %.
 
-    `word` names the expected values on the axis, and `groups` has the values by label.
+    `word` names the expected values on the axis.  `groups` has by label the expected and the computed values, each with
+    the standard deviation of the expected one, 0 if none is known.
     """
     heading, pairs = in_words(quantity), [pair for group in groups.values() for pair in group]
-    low, high = widened(end for p in pairs for end in (p.expected - p.deviation, p.expected + p.deviation, p.computed))
+    low, high = widened(end for expected, computed, d in pairs for end in (expected - d, expected + d, computed))
     # If the values are close together, widen the axes to show the lines on both sides.
     margin = 0.1 * high if high - low < 0.1 * high else 0.0
     span = low - margin, high + margin
     axes.set(xlabel=f"{word} {heading}", ylabel=f"computed {heading}", xlim=span, ylim=span)
     axes.set_aspect("equal")
     for index, (label, group) in enumerate(groups.items()):
-        expected, computed = [p.expected for p in group], [p.computed for p in group]
+        expected, computed, deviations = zip(*group, strict=True)
         look = look_of(index) | {"label": legible(label), "markersize": 5.0 if len(pairs) <= 100 else 3.0}
-        if any(p.deviation for p in group):
-            ends = [(p.expected - p.deviation, p.expected + p.deviation) for p in group]
-            ranges(axes, computed, ends, look["color"])
+        if any(deviations):
+            ranges(axes, computed, [(value - d, value + d) for value, _, d in group], look["color"])
         points(axes, expected, computed, filled=False, **look)
     for factor, label, style in ((1.0, "agreement", "-"), (0.9, "± 10 %", ":"), (1.1, "", ":")):
         axes.plot(span, [factor * end for end in span], linestyle=style, color=INK, linewidth=0.8, label=label)
@@ -322,11 +310,3 @@ def widened(values: Iterable[float], part: float = 0.05) -> tuple[float, float]:
     numbers = list(values)
     margin = part * (max(numbers) - min(numbers)) or 0.05 * abs(numbers[0]) or 1.0
     return min(numbers) - margin, max(numbers) + margin
-
-
-def on_grid(x: Any, y: Any, values: Any) -> tuple[Any, Any, Any]:
-    """Return the sorted distinct x and y of points, and the values z[j, i] at x[i] and y[j], NaN where missing."""
-    xs, ys = np.unique(x), np.unique(y)
-    z = np.full((len(ys), len(xs)), np.nan)
-    z[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values
-    return xs, ys, z

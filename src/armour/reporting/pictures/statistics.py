@@ -15,12 +15,7 @@ from armour.statistics.uncertainty import UncertaintyResult
 from armour.statistics.v50 import FiringResult, Shots
 
 # Kinds of shots: label, whether the penetration is complete, colour and marker.
-PENETRATIONS = (
-    ("stopped", False, drawing.GREEN, "o"),
-    ("perforated", True, drawing.VERMILION, "^"),
-)
-# What is drawn where the probability is not known.
-ALONE = "stopped, with the model taken as exact"
+PENETRATIONS = (("stopped", False, drawing.GREEN, "o"), ("perforated", True, drawing.VERMILION, "^"))
 
 
 @draw.register
@@ -36,7 +31,7 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
-    axes.set(ylabel="stops a shot" if shares else ALONE, ylim=(0.0, 1.0))
+    axes.set(ylabel="stops a shot" if shares else "stopped, with the model taken as exact", ylim=(0.0, 1.0))
     stops, below, above = (1.0 - np.array(ends) for ends in (shares or curve.by_distributions, curve.high, curve.low))
     axes.fill_between(curve.velocity_m_s, below, above, color=drawing.BLUE, **drawing.BAND)
     axes.plot(curve.velocity_m_s, stops, color=drawing.BLUE)
@@ -87,11 +82,10 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
     note = "Error bars: ± one standard deviation of the measured value." if has_uncertainties else ""
     picture = sheet.panels(headline(result), *[sheet.width - 0.3] * len(by_quantity), note=note)
     for axes, (quantity, residuals) in zip(picture.axes, by_quantity.items(), strict=True):
-        by_bound = grouped(residuals, lambda residual: residual.bound)
+        ordered = sorted(residuals, key=lambda residual: [*WORDS].index(residual.bound))
+        by_word = grouped(ordered, lambda residual: WORDS[residual.bound])
         groups = {
-            WORDS[bound]: [drawing.Compared(r.measured, r.computed, r.uncertainty or 0.0) for r in by_bound[bound]]
-            for bound in WORDS
-            if bound in by_bound
+            word: [(r.measured, r.computed, r.uncertainty or 0.0) for r in some] for word, some in by_word.items()
         }
         drawing.agreement(axes, quantity, "measured", groups)
     return picture

@@ -15,9 +15,6 @@ from armour.reporting.views.sweeps import is_number
 from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
-# Largest number of points of a curve that have marks.
-MAX_MARKERS = 40
-
 
 @draw.register
 def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
@@ -60,7 +57,7 @@ def draw_columns(
 def _draw_curve(axes: Axes, x: Any, values: Any, is_far: Any) -> None:
     """Draw a quantity over a key, both (rows,), dashed with hollow marks where `is_far`, (rows,), is true."""
     order = np.argsort(x, kind="stable")
-    marker = "" if len(order) > MAX_MARKERS else "o"
+    marker = "" if len(order) > 40 else "o"  # marks of more points would run together
     drawing.curve(axes, x[order], values[order], is_far[order], marker=marker, color=drawing.BLUE)
     # Include rows without an answer, and widen the range of a single row.
     if np.isnan(values).any() or len(set(x)) == 1:
@@ -69,7 +66,9 @@ def _draw_curve(axes: Axes, x: Any, values: Any, is_far: Any) -> None:
 
 def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column) -> None:
     """Draw a quantity over two numerical keys as colours and contours."""
-    x, y, z = drawing.on_grid(table[keys[0]], table[keys[1]], table[answer.key])
+    (x, column), (y, row) = (np.unique(table[key], return_inverse=True) for key in keys)
+    z = np.full((len(y), len(x)), np.nan)
+    z[row, column] = table[answer.key]
     drawing.colours_of(axes, x, y, z, answer.heading)
     if min(z.shape) > 1:
         drawing.contours(axes, x, y, z, 10, numbered=True)

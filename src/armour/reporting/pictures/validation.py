@@ -37,9 +37,9 @@ def draw_suite(result: SuiteResult, sheet: drawing.Sheet) -> drawing.Picture:
     note = f"{left_out} of {len(result.checks)} cases are not shown: {LEFT_OUT}." if left_out else ""
     picture = sheet.panels(title, *[sheet.width - 0.3] * len(by_quantity), note=note)
     for axes, (quantity, checks_of_quantity) in zip(picture.axes, by_quantity.items(), strict=True):
+        by_group = grouped(checks_of_quantity, lambda check: check.case.group or CASES)
         groups = {
-            group or CASES: [drawing.Compared(check.case.expected, check.computed) for check in members]
-            for group, members in grouped(checks_of_quantity, lambda check: check.case.group).items()
+            group: [(each.case.expected, each.computed, 0.0) for each in some] for group, some in by_group.items()
         }
         drawing.agreement(axes, quantity, "expected", groups)
     return picture

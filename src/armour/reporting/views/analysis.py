@@ -127,12 +127,6 @@ def stage_table(result: ImpactResult) -> Table:
     return Table.of(result.stages, Column.of("stage"), happens, Column.of("end_us", ".1f", "until"), *lost, energy)
 
 
-def crossing_table(result: LimitResult) -> Table:
-    """Tabulate the velocities at which the outcome changes, and the outcome above each."""
-    columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
-    return Table(columns, tuple((crossing.bracket_m_s[1], crossing.above) for crossing in result.crossings))
-
-
 @line_of.register
 def limit_in_a_line(result: LimitResult) -> str:
     """Return the ballistic limit by the model, and the expected one with its interval or why it is not known."""
@@ -186,10 +180,12 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 
 
 def crossings(result: LimitResult) -> list[Table | str]:
-    """Return where the outcome changes, if it does so more than once."""
+    """Return the velocities at which the outcome changes, and the outcome above each, if it does so more than once."""
     if result.monotonic:
         return []
-    return [f"the outcome changes {len(result.crossings)} times", crossing_table(result)]
+    columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
+    table = Table(columns, tuple((crossing.bracket_m_s[1], crossing.above) for crossing in result.crossings))
+    return [f"the outcome changes {len(result.crossings)} times", table]
 
 
 def tests_words(result: LimitResult) -> str:
@@ -199,9 +195,8 @@ def tests_words(result: LimitResult) -> str:
         source = f"not known: {result.reason.partition(';')[0]}" if result.reason else ""
     else:
         source = error.source.replace(" tests of ", " of ", 1)
-    return "; ".join(
-        filter(None, (source, f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""))
-    )
+    measured = f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""
+    return "; ".join(filter(None, (source, measured)))
 
 
 def measured_here(result: LimitResult) -> list[float]:

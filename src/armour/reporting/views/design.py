@@ -131,14 +131,10 @@ def verdict_line(result: CheckResult) -> VerdictLine:
 def amounts(result: CheckResult) -> str:
     """Return areal density, thickness and cost of an armour in a line, with the most that is allowed of each."""
     most, words = {row.quantity: row.required for row in result.requirements}, []
-    for key, before, unit in (
-        (AREAL_DENSITY.key, "", " kg/m²"),
-        (THICKNESS.key, "", " mm"),
-        (COST.key, "cost ", " per m²"),
-    ):
+    for key, named in OBJECTIVES.items():
         if (value := getattr(result, key)) is not None:
-            text = phrases.amount(key, value, most.get(key, inf))
-            words.append(f"{before}{text}{f' of at most {most[key]:g}' if key in most else ''}{unit}")
+            text = "cost " * (key == COST.key) + phrases.amount(key, value, most.get(key, inf))
+            words.append(f"{text}{f' of at most {most[key]:g}' if key in most else ''}{named.unit}")
     return ", ".join(words)
 
 
@@ -255,7 +251,6 @@ def next_step(result: CheckResult) -> tuple[str, str]:
 
 def details(result: CheckResult) -> list[Table | str]:
     """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat."""
-    scenario = result.question["scenario"]
     shown = list[Table | str]()
     if result.whole_thickness_mm != result.thickness_mm:
         whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
@@ -266,7 +261,7 @@ def details(result: CheckResult) -> list[Table | str]:
         against = f"against {threat.threat}: " * (len(result.threats) > 1)
         told = *phrases.v50_notes(threat, threat.velocity_m_s), *phrases.basis_notes(threat)
         notes += [against + note for note in told]
-    return [*shown, *tables, *notes, *phrases.threat_notes(scenario)]
+    return [*shown, *tables, *notes, *phrases.threat_notes(result.question["scenario"])]
 
 
 def _detail_table(threat: CheckedThreat) -> Table:
@@ -311,18 +306,13 @@ _verdict_columns: tuple[Source, ...] = (
 
 def _marked_limit(threat: CheckedThreat) -> str:
     """Return the limit of an armour, marked if it is by the model; "none" where the model does not hold."""
-    return limit_text(threat) + "*" * _is_limit_by_model(threat) if _is_modelled(threat) else "none"
-
-
-def _is_limit_by_model(threat: CheckedThreat) -> bool:
-    """Return whether the limit of an armour is one by the model alone."""
-    known = threat.ballistic_limit_m_s is not None
-    return _is_modelled(threat) and known and threat.expected_limit_m_s is None
+    by_model = threat.ballistic_limit_m_s is not None and threat.expected_limit_m_s is None
+    return limit_text(threat) + "*" * by_model if _is_modelled(threat) else "none"
 
 
 def _by_model(results: Iterable[CheckResult]) -> list[str]:
     """Return what the mark of a limit by the model means, if any is marked."""
-    return [BY_MODEL] * any(_is_limit_by_model(deciding(result)) for result in results)
+    return [BY_MODEL] * any(_marked_limit(deciding(result)).endswith("*") for result in results)
 
 
 def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
@@ -384,17 +374,13 @@ def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
 
 def moved_junit(moves: Sequence[Moved], base: str, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a comparison with an earlier check: a failure for each part that is weaker."""
-    cases = [
-        TestCase(
-            move.scenario,
-            " ".join(filter(None, (move.threat, quantity_words(move.quantity)))),
-            "failure",
-            f"weaker: {_moved_value(move.quantity, move.before)} before, {_moved_value(move.quantity, move.now)} now",
-            file=move.scenario,
-        )
-        for move in moves
-        if move.weaker
-    ]
+    cases = []
+    for move in moves:
+        if move.weaker:
+            title = " ".join(filter(None, (move.threat, quantity_words(move.quantity))))
+            before, now = (_moved_value(move.quantity, value) for value in (move.before, move.now))
+            words = f"weaker: {before} before, {now} now"
+            cases.append(TestCase(move.scenario, title, "failure", words, file=move.scenario))
     return junit_suite(f"against {base}", cases or [TestCase(base, "nothing is weaker", "", "")], 0.0, origin)
 
 
@@ -468,15 +454,9 @@ def found_in_a_line(result: DesignResult) -> str:
 def tables_of_design(result: DesignResult) -> list[Table | str]:
     """Return the best design with what its check says, and then what only a search knows."""
     result.shown.check.of(every_row=_every_row(result))
+    lines = VerdictLine(found_in_a_line(result)), verdict_line(result.shown.check)
     checked = facts(result.shown.check, also=nearly_as_good(result))
-    more = details(result.shown.check) * _every_row(result)
-    return [
-        VerdictLine(found_in_a_line(result)),
-        verdict_line(result.shown.check),
-        *checked,
-        *more,
-        *tables_of_search(result),
-    ]
+    return [*lines, *checked, *details(result.shown.check) * _every_row(result), *tables_of_search(result)]
 
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
@@ -496,11 +476,8 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
 def nearly_as_good(result: DesignResult) -> str:
     """Return the designs on other plates whose objective is within 1 % of the best, the nearest first."""
     value, best = attrgetter(result.minimised), result.shown
-    near = [
-        each
-        for each in result.frontier
-        if each.backing_thickness_mm != best.backing_thickness_mm and value(each) <= 1.01 * value(best)
-    ]
+    others = (each for each in result.frontier if each.backing_thickness_mm != best.backing_thickness_mm)
+    near = [each for each in others if value(each) <= 1.01 * value(best)]
     words = [sizes(each).removesuffix(" mm") for each in sorted(near, key=value)]
     more = f" and {len(words) - MOST_NAMED} more (-v)" * (len(words) > MOST_NAMED)
     return f"{', '.join(words[:MOST_NAMED])} mm{more}" if words and len(result.pairs) == 1 else ""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from armour.files import read_toml, shipped_files, shipped_suites
-from armour.reporting.table import Column, Source, Table
+from armour.reporting.table import Column, Table
 from armour.scenario.inputs import Kind
 from armour.scenario.library import DYNAMIC, KINDS, OPTIONAL, STATIC, LibraryEntry, NamedThreat
 
@@ -26,14 +26,12 @@ def library_table(kind: Kind, entries: Collection[LibraryEntry]) -> Table:
     """
     used_keys = {key for entry in entries for key in entry.values if key not in (*OPTIONAL, *entry.derived)} | {STATIC}
     keys = [key for key in KINDS[kind].model_fields if key in used_keys]
-    description = Column.of("description", prose=True)
-    described: Source = description, lambda entry: entry.description + " (doubtful)" * bool(entry.doubtful)
     return Table.of(
         entries,
         Column.of("name", label=kind),
         *((Column.of(key, "g"), lambda entry, key=key: _shown(entry, key)) for key in keys),
         (Column("sources give", "GPa"), lambda entry: " to ".join(map("{:g}".format, entry.flow_stress_sources_GPa))),
-        described,
+        (Column.of("description", prose=True), lambda entry: entry.description + " (doubtful)" * bool(entry.doubtful)),
     )
 
 
@@ -58,8 +56,7 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 def tables_by_kind(items: Mapping[Any, Mapping[str, Any]]) -> list[Table]:
     """Tabulate entries and threats, given by kind and name."""
     return [
-        threat_table(of_kind) if kind == "threat" else library_table(kind, of_kind.values())
-        for kind, of_kind in items.items()
+        threat_table(some) if kind == "threat" else library_table(kind, some.values()) for kind, some in items.items()
     ]
 
 
@@ -67,7 +64,7 @@ def shipped_tables() -> list[Table | str]:
     """Return a table for each kind of shipped file: scenarios, suites, tables of tests or shots, and notebooks."""
     titled = {"scenario": shipped_files("scenarios", ".toml"), "suite for armour validate": shipped_suites()}
     shown = {
-        kind: {name: str(read_toml(path)["title"]) for name, path in files.items()} for kind, files in titled.items()
+        kind: {name: str(read_toml(path)["title"]) for name, path in some.items()} for kind, some in titled.items()
     }
     shown["scenario"]["template"] = "Every key with a comment: what armour init copies by default"
     shown["table of tests"] = TABLES_OF_TESTS

@@ -59,14 +59,11 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
 def _details(plan: ShotPlan) -> list[Table | str]:
     """Return why the next velocity is chosen, what the plan starts from, and the shots."""
     shown: list[Table | str] = [f"reason: {plan.reason}"] if plan.reason else []
-    if plan.consumers_risk is not None:
-        shown.append(DECISION)
+    shown += [] if plan.consumers_risk is None else [DECISION]
     shown += [operating_table(plan)] if plan.operating_characteristic else []
-    if plan.fired.complete:
-        shown.append(prior_table(plan.prior, plan.posterior, plan.confidence))
+    shown += [prior_table(plan.prior, plan.posterior, plan.confidence)] if plan.fired.complete else []
     shown += [] if plan.model_error is None else [model_error_words(plan.model_error)]
-    shown.append(SCATTER_ASSUMED)
-    return [*shown, shot_table(plan.fired)] if plan.fired.complete else shown
+    return [*shown, SCATTER_ASSUMED, *([shot_table(plan.fired)] if plan.fired.complete else [])]
 
 
 def _ratio(ratio: float | None, risk: float) -> str:

@@ -5,19 +5,7 @@ from collections.abc import Collection, Sequence
 from armour.analysis.ballistic_limit import ConfidenceResult, no_error
 from armour.errors import counted
 from armour.reporting.by_result import in_a_line, line_of, tables_of
-from armour.reporting.table import (
-    Cell,
-    Column,
-    Table,
-    VerdictLine,
-    between,
-    deviation_percent,
-    in_words,
-    interval,
-    number,
-    percent,
-    with_interval,
-)
+from armour.reporting.table import Cell, Column, Table, VerdictLine, between, in_words, interval, number, percent
 from armour.reporting.views.analysis import tables_of_each
 from armour.reporting.words import chance, model_error_words, rounded_up, sampled_percents
 from armour.scenario.scenario import rounds
@@ -164,12 +152,13 @@ def correlation_table(result: CalibrationResult) -> Table:
     return Table((Column("correlation", prose=True), *numbers), tuple(rows))
 
 
+def _deviation_percent(residual: Residual, value: float | None) -> float | None:
+    """Return the deviation of a value from the one measured, %; None for a bound, or without a value."""
+    return None if residual.bound or value is None else 100.0 * (value / residual.measured - 1.0)
+
+
 def residual_table(result: CalibrationResult) -> Table:
     """Tabulate measured and computed values, test by test; shots give a bound and have no deviation."""
-
-    def deviation(residual: Residual, value: float | None) -> float | None:
-        return None if residual.bound else deviation_percent(value, residual.measured)
-
     return Table.of(
         result.residuals,
         Column.of("test", prose=True),
@@ -177,8 +166,8 @@ def residual_table(result: CalibrationResult) -> Table:
         Column.of("bound"),
         Column.of("measured", "g"),
         Column.of("computed", ".4g"),
-        (Column("deviation", "%", "+.1f"), lambda r: deviation(r, r.computed)),
-        (Column("leave-one-out deviation", "%", "+.1f"), lambda r: deviation(r, r.left_out)),
+        (Column("deviation", "%", "+.1f"), lambda r: _deviation_percent(r, r.computed)),
+        (Column("leave-one-out deviation", "%", "+.1f"), lambda r: _deviation_percent(r, r.left_out)),
         (Column("bound met"), lambda r: "" if not r.bound else "yes" if r.met else "no"),
     )
 
@@ -203,9 +192,8 @@ def _tests_words(result: CalibrationResult) -> str:
     """Return the number of tests with the errors of the fit or, of a few tests, what each measured."""
     tests = list(dict.fromkeys(residual.test for residual in result.residuals))
     if len(tests) <= MOST_TESTS:
-        words = [
-            f"{r.test} {f'{r.bound} {r.measured:g}'.strip()} {Column.of(r.quantity).unit}" for r in result.residuals
-        ]
+        measured = ((r, f"{r.bound} {r.measured:g}".strip()) for r in result.residuals)
+        words = [f"{r.test} {value} {Column.of(r.quantity).unit}" for r, value in measured]
         return f"{len(tests)}: {', '.join(words)}"
     words = [str(len(tests))]
     if result.mean_error_percent is not None:
@@ -219,7 +207,7 @@ def _tests_words(result: CalibrationResult) -> str:
 
 def _farthest(result: CalibrationResult) -> str:
     """Return the tests that deviate most from the fit; none if there are only a few."""
-    off = [(r.test, deviation_percent(r.computed, r.measured) or 0.0) for r in result.residuals if not r.bound]
+    off = [(r.test, _deviation_percent(r, r.computed) or 0.0) for r in result.residuals if not r.bound]
     off.sort(key=lambda pair: -abs(pair[1]))
     return ", ".join(f"{test} {part:+.1f} %" for test, part in off[:MOST_TESTS]) if len(off) > MOST_TESTS else ""
 
@@ -294,16 +282,14 @@ def velocity_name(fraction: float) -> str:
 
 def decision(result: FiringResult) -> str:
     """Return whether a required velocity is met, with the risk that decides."""
-    required = (
-        f"{result.decision}: {velocity_name(result.requirement_fraction)} of at least {result.requirement_m_s:g} m/s"
-    )
+    velocity = f"{velocity_name(result.requirement_fraction)} of at least {result.requirement_m_s:g} m/s"
     if result.consumers_risk is None or result.producers_risk is None:
-        return f"{required}; no curve fits the shots"
+        return f"{result.decision}: {velocity}; no curve fits the shots"
     deciding, risk = "accepting", result.consumers_risk
     if result.decision == "not met":
         deciding, risk = "rejecting", result.producers_risk
     now, allowed = " now" * (result.decision == "not decided"), percent(round(1.0 - result.confidence, 12))
-    return f"{required}; risk of {deciding}{now} {rounded_risk(risk)} ({allowed} decides)"
+    return f"{result.decision}: {velocity}; risk of {deciding}{now} {rounded_risk(risk)} ({allowed} decides)"
 
 
 def rounded_risk(risk: float) -> str:
@@ -357,19 +343,18 @@ def estimates(result: FiringResult) -> list[Table | str]:
     if result.recommended is not None:
         shown += [recommended_table(result.recommended, result.confidence), PENALISED]
     if result.prior is not None and result.posterior is not None:
-        table = prior_table(result.prior, result.posterior, result.confidence)
-        shown += [table, SCATTER_ASSUMED]
+        shown += [prior_table(result.prior, result.posterior, result.confidence), SCATTER_ASSUMED]
     return shown
 
 
 def _facts_of(result: FiringResult) -> dict[str, str]:
     """Return what V50 rests on, by label."""
     mean, fit, posterior, facts = result.mean, result.recommended, result.posterior, dict[str, str]()
-    spans = [
-        f"{m.pairs} + {m.pairs} within {m.span_m_s:.3g} m/s, {m.span_allowed_m_s:.3g} allowed" for m in result.means
-    ]
-    facts["mean"] = f"none: {'; '.join(spans) or 'too few shots of each kind'}"
-    if mean is not None:
+    if mean is None:
+        means = ((f"{m.pairs} + {m.pairs} within {m.span_m_s:.3g} m/s", m.span_allowed_m_s) for m in result.means)
+        spans = [f"{within}, {allowed:.3g} allowed" for within, allowed in means]
+        facts["mean"] = f"none: {'; '.join(spans) or 'too few shots of each kind'}"
+    else:
         shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.3g} m/s"
         facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {shots}, {mean.span_allowed_m_s:.3g} allowed ({MEANS[mean.rule]})"
     highest, lowest = result.highest_partial_m_s, result.lowest_complete_m_s
@@ -406,11 +391,8 @@ def lots_in_a_line(result: LotResults) -> str:
 
 def difference_words(result: LotResults, name: str = "") -> list[str]:
     """Return a line for each pair of lots, or of those with a name, which says whether they differ."""
-    return [
-        _difference(pair, difference, len(result.differences))
-        for pair, difference in result.differences.items()
-        if not name or name in pair.split(" minus ")
-    ]
+    asked = {pair: each for pair, each in result.differences.items() if not name or name in pair.split(" minus ")}
+    return [_difference(pair, difference, len(result.differences)) for pair, difference in asked.items()]
 
 
 def _difference(pair: str, found: V50Difference, pairs: int) -> str:
@@ -433,12 +415,16 @@ def tables_of_lots(result: LotResults) -> list[Table | str]:
 def prior_table(prior: FiringEstimate, posterior: FiringEstimate, level: float) -> Table:
     """Tabulate V50 and the scatter before and after the shots, with intervals at a confidence level."""
     v50, scatter = (Column(f"{name}, {percent(level)} interval", "m/s") for name in ("V50", "scatter"))
+
+    def estimate(value: float, ends: tuple[float, float]) -> str:
+        return f"{number(value, '.0f')} ({interval(ends, '.0f')})"
+
     return Table.of(
         (("prior", prior), ("posterior", posterior)),
         (Column("distribution"), lambda row: row[0]),
-        (v50, lambda row: with_interval(row[1].v50_m_s, row[1].v50_interval_m_s, ".0f")),
+        (v50, lambda row: estimate(row[1].v50_m_s, row[1].v50_interval_m_s)),
         (Column("standard deviation of V50", "m/s", ".0f"), lambda row: row[1].standard_deviation_m_s),
-        (scatter, lambda row: with_interval(row[1].scatter_m_s, row[1].scatter_interval_m_s, ".0f")),
+        (scatter, lambda row: estimate(row[1].scatter_m_s, row[1].scatter_interval_m_s)),
     )
 
 

@@ -273,12 +273,6 @@ def comparison_table(result: Comparison) -> Table:
     return Table.of(result.predictions, (Column("by", prose=True), lambda each: each.method), limit, *errors)
 
 
-def measured_table(result: Comparison) -> Table:
-    """Tabulate the tested armours whose limits are nearest to the one by the model."""
-    numbers = Column.of("areal_density_kg_m2"), Column.of("ballistic_limit_m_s", ".0f", "measured limit")
-    return Table.of(result.measured, Column.of("armour", prose=True), Column.of("projectile", label="round"), *numbers)
-
-
 def rule_note(result: Comparison) -> str:
     """Return a note on the areal density rule: its factor and tests, or why there is none."""
     if rule := next((each for each in result.predictions[1:] if each.fitted), None):
@@ -306,5 +300,7 @@ def tables_of_comparison(result: Comparison) -> list[Table | str]:
     shown += [rule_note(result)] if every_row or result.predictions[0].mean_percent is None else []
     if every_row:
         shown.append(Table.of_facts({"armour": armour_words(result.limit)}))
-        shown += [measured_table(result)] if result.measured else []
+        columns = Column.of("armour", prose=True), Column.of("projectile", label="round")
+        numbers = Column.of("areal_density_kg_m2"), Column.of("ballistic_limit_m_s", ".0f", "measured limit")
+        shown += [Table.of(result.measured, *columns, *numbers)] if result.measured else []
     return shown
