@@ -18,14 +18,7 @@ from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
-from armour.statistics.posterior import (
-    FiringEstimate,
-    FiringPrior,
-    Posterior,
-    expected,
-    learned,
-    posterior_of,
-)
+from armour.statistics.posterior import FiringEstimate, FiringPrior, Posterior, expected, learned, posterior_of
 from armour.statistics.v50 import Fraction, MeanV50, Shots, Velocity
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
@@ -231,17 +224,16 @@ def plan_shots(
     refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
     v50.check_not_swapped(shots)
     required, is_bayesian = requirement_m_s is not None, procedure == "bayesian"
-    no_fraction = "must not be given without a requirement"
-    no_requirement = f"must not be given with {procedure}, which has no requirement"
-    other_end = "must not be given with a requirement, which ends the firing"
-    low, high = limits_m_s or (0.0, inf)
-    conflicts = [
-        ("requirement_fraction", requirement_fraction != 0.5 and not required, no_fraction),
-        ("requirement_m_s", required and procedure in LIMITED, no_requirement),
-        ("half_width_m_s", half_width_m_s and required and is_bayesian, other_end),
-        ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
-    ]
-    refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
+    conflicts = {}
+    if requirement_fraction != 0.5 and not required:
+        conflicts["requirement_fraction"] = "must not be given without a requirement"
+    if required and procedure in LIMITED:
+        conflicts["requirement_m_s"] = f"must not be given with {procedure}, which has no requirement"
+    if half_width_m_s and required and is_bayesian:
+        conflicts["half_width_m_s"] = "must not be given with a requirement, which ends the firing"
+    if limits_m_s and limits_m_s[0] >= limits_m_s[1]:
+        conflicts["limits_m_s"] = "must rise, found {:g} and {:g}".format(*limits_m_s)
+    refuse(Problem("plan_shots", key, message) for key, message in conflicts.items())
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)

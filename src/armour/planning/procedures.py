@@ -174,11 +174,10 @@ def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
         if settings.requirement_m_s is None:
             return Aim(settings.prior.limit_m_s, "the first shot is at the estimated V50")
         return Aim(settings.requirement_m_s + ABOVE_M_S, f"the first shot is {ABOVE_M_S:.1f} m/s above the requirement")
-    step = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S
-    last, complete = shots.velocities_m_s[-1], shots.complete[-1]
-    side, kind = ("below", "complete") if complete else ("above", "partial")
-    reason = f"{step:.1f} m/s {side} the last shot, a {kind} penetration"
-    return Aim(last - step if complete else last + step, reason)
+    step, last = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S, shots.velocities_m_s[-1]
+    if shots.complete[-1]:
+        return Aim(last - step, f"{step:.1f} m/s below the last shot, a complete penetration")
+    return Aim(last + step, f"{step:.1f} m/s above the last shot, a partial penetration")
 
 
 def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
@@ -211,10 +210,8 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
     for number in range(len(velocities), 0, -1):
         excess += 1 if shots.complete[number - 1] else -1
         if excess == 0:
-            reason = (
-                f"midway between the last shot and shot {number}, from which on half of the penetrations are complete"
-            )
-            return Aim(0.5 * (last + velocities[number - 1]), reason)
+            reason = f"midway between the last shot and shot {number}, from which on half of the penetrations are "
+            return Aim(0.5 * (last + velocities[number - 1]), f"{reason}complete")
     end, name = (lower, "lower") if shots.complete[-1] else (upper, "upper")
     return Aim(0.5 * (last + end), f"midway between the last shot and the {name} limit, {end:.1f} m/s")
 
@@ -402,10 +399,6 @@ class Firings:
         low, high = self.intervals(settings.confidence).T
         return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
-    def keep(self, kept: Bools) -> None:
-        """Keep some of the firings, given a mask, (n,), and drop the others."""
-        self.weights = self.weights[kept]
-
 
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
@@ -425,7 +418,7 @@ def fire(
         active = active[continues]
         if len(active) < least:
             break
-        firings.keep(continues)
+        firings.weights = firings.weights[continues]
         velocities = firings.aims()
         firings.add(velocities, dice.normal(v50_m_s[active], scatter_m_s[active]) < velocities)
     return shots, ended

@@ -27,8 +27,8 @@ from armour.statistics.likelihood import (
     Coefficient,
     InputFit,
     Likelihood,
+    coefficient_of,
     fit_inputs,
-    intervals,
     likelihood_of,
     without,
 )
@@ -327,7 +327,7 @@ def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
         tests=tests.file,
         law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in likelihood.names else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=intervals(fit),
+        coefficients=tuple(coefficient_of(fit, index) for index in range(len(likelihood.names))),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in measured_values]),

@@ -342,11 +342,6 @@ class ShotLikelihood:
         deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
         return float(ndtr(copysign(sqrt(deviance), x - (z - self.mode.intercept) / self.mode.slope)))
 
-    def deviances(self, v50_m_s: Floats, scale_m_s: Floats) -> Floats:
-        """Return the deviances of m curves, (m,), given their V50s and scales, m/s, (m,)."""
-        values = self._values(np.column_stack([(self.mean - v50_m_s) / scale_m_s, self.deviation / scale_m_s]))
-        return 2.0 * (self.mode.value - values)
-
     @property
     def flat_deviance(self) -> float:
         """Deviance of a constant probability; the interval of V50 is bounded if its ends have a smaller deviance."""

@@ -373,12 +373,8 @@ def _hazard(z: Floats) -> Floats:
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
 
 
-def intervals(fit: InputFit) -> tuple[Coefficient, ...]:
-    """Return the coefficients with their profile-likelihood intervals, or why the tests do not identify them."""
-    return tuple(_coefficient(fit, index) for index in range(len(fit.likelihood.names)))
-
-
-def _coefficient(fit: InputFit, index: int) -> Coefficient:
+def coefficient_of(fit: InputFit, index: int) -> Coefficient:
+    """Return an input with its profile-likelihood interval, or why the tests do not identify it."""
     likelihood, name = fit.likelihood, fit.likelihood.names[index]
     unit, error = float(likelihood.units[index]), sqrt(max(float(fit.covariance[index, index]), 0.0))
     bounds = float(likelihood.lower[index]), float(likelihood.upper[index])
@@ -442,8 +438,7 @@ def _check_fittable(tests: Tests, inputs: Sequence[str]) -> None:
     for role, key in NAMES.items():
         names = {group.scenario.name_of(role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
-            message = (
-                f"must be the same in all tests if the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
-            )
+            found = ", ".join(sorted(map(str, names)))
+            message = f"must be the same in all tests if the {role} is fitted, found {found}"
             problems.append(Problem(tests.file, key, message))
     refuse(problems)

@@ -124,10 +124,7 @@ class Tests:
 def with_scatter(tests: Tests, scatter: float) -> Tests:
     """Return the tests with an uncertainty of `scatter` times the value for each measurement."""
     measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
-    cells = [dict(cell) for cell in tests.cells]
-    for m in measurements:
-        cells[m.test][MEASURED[m.quantity]] = scatter * m.value
-    return replace(tests, measurements=measurements, weighted=True, cells=tuple(cells))
+    return replace(tests, measurements=measurements, weighted=True)
 
 
 def subject_of(tests: Tests) -> str:

@@ -8,7 +8,7 @@ the scatter to V50 has a log-normal prior, independent of V50.  Integrals are su
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import log
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -95,12 +95,6 @@ class V50Grid(NamedTuple):
     scatter_m_s: Floats  # (points,)
     shape: tuple[int, int]  # nodes of V50 and of the scatter
 
-    @classmethod
-    def over(cls, v50_m_s: Floats, log_ratio: Floats) -> Self:
-        """Return the grid of all pairs of V50s, m/s, and logarithms of scatter / V50."""
-        scatter = np.outer(v50_m_s, np.exp(log_ratio)).ravel()
-        return cls(np.repeat(v50_m_s, len(log_ratio)), scatter, (len(v50_m_s), len(log_ratio)))
-
     def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
         """Return the log-likelihood of shots by each point, (points,); `complete` is true for complete penetrations."""
         log_likelihood = np.zeros(len(self.v50_m_s))
@@ -141,12 +135,8 @@ class Posterior(NamedTuple):
         logs = np.log(self.grid.scatter_m_s)
         step = logs[1] - logs[0]
         log_scatters = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
-        below = np.array(
-            [
-                expected(np.clip(0.5 + (log_scatter - logs) / step, 0.0, 1.0), self.weights)
-                for log_scatter in log_scatters
-            ]
-        )
+        shares = np.clip(0.5 + (log_scatters[:, None] - logs) / step, 0.0, 1.0)
+        below = np.array([expected(share, self.weights) for share in shares])
         return np.exp(np.interp(ndtri(probabilities), _normal_quantiles(below), log_scatters)).tolist()
 
     def variance(self, target: Floats) -> float:
@@ -183,7 +173,7 @@ def posterior_of(
     ranges = [(low, high), (middle - reach, middle + reach)]
     for _ in range(GRID_NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
-        grid = V50Grid.over(v50, log_ratio)
+        grid = V50Grid(np.repeat(v50, nodes[1]), np.outer(v50, np.exp(log_ratio)).ravel(), nodes)
         log_weights = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))
         log_weights += grid.log_likelihood(velocities_m_s, complete)
         kept = (log_weights > log_weights.max() - DEPTH).reshape(nodes)

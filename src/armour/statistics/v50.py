@@ -445,8 +445,7 @@ def shots_of(
     source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None, ignore: Names = ()
 ) -> Shots:
     """Return the shots of an open table; arguments and errors are those of `read_shots`."""
-    least = 0 if one_kind else 1
-    table = csv_files.read_rows(source, SHOTS, where, least, (*ignore,))
+    table = csv_files.read_rows(source, SHOTS, where, 0 if one_kind else 1, (*ignore,))
     rows = table.rows
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
