@@ -18,16 +18,7 @@ from scipy.special import ndtri
 
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.statistics.curves import LOG_INFORMATION, FittedCurve, ShotLikelihood, fit_curve, has_curve
-from armour.statistics.posterior import (
-    GRID_NODES,
-    PLAUSIBLE,
-    FiringPrior,
-    Posterior,
-    V50Grid,
-    expected,
-    normalised,
-    posterior_of,
-)
+from armour.statistics.posterior import GRID_NODES, FiringPrior, Posterior, V50Grid, expected, normalised, posterior_of
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
 from armour.units import FT
 
@@ -98,9 +89,8 @@ def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatt
     scatter_deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])
     distance = np.append(np.repeat(np.sinh(arsinh_distance), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
     edge_scatters = requirement_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
-    scatter = np.append(
-        np.tile(scatter_m_s * np.exp(log(scatter_factor) * scatter_deviation), DEMAND_NODES[0]), edge_scatters
-    )
+    scatters = scatter_m_s * np.exp(log(scatter_factor) * scatter_deviation)
+    scatter = np.append(np.tile(scatters, DEMAND_NODES[0]), edge_scatters)
     weights = np.exp(-0.5 * np.add.outer((arsinh_distance / SPREAD) ** 2, scatter_deviation**2)).ravel()
     weights = np.append(weights / weights.sum(), np.full(EDGE_NODES, EDGE_WEIGHT))
     grid = V50Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
@@ -350,7 +340,7 @@ def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floa
 
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return `count` evenly spaced velocities to choose the next one from, m/s."""
-    greatest = settings.scatter_m_s * settings.prior.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+    greatest = settings.scatter_m_s * settings.prior.plausible_factor
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.requirement_m_s is not None:
         low = high = settings.requirement_m_s

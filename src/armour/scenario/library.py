@@ -222,6 +222,17 @@ def least_scatter(percent: float) -> str:
     )
 
 
+def _of_no_firing(percent: float) -> float:
+    """Refuse a scatter of shots that needs own firings."""
+    if percent < LEAST_SCATTER_PERCENT:
+        raise ValueError(least_scatter(percent))
+    return percent
+
+
+# A scatter that is given without own firings.
+AssumedScatter = Annotated[ScatterPercent, AfterValidator(_of_no_firing)]
+
+
 def check_scatter(percent: float | None, source: str) -> None:
     """Refuse a scatter of shots without its source, and a source without it."""
     if (percent is None) != (not source):
@@ -409,6 +420,14 @@ class LibraryEntry:
         listed_GPa = self.flow_stress_sources_GPa
         return len(listed_GPa) if listed_GPa and listed_GPa[0] <= self[FLOW_STRESS_KEY] <= listed_GPa[-1] else 1
 
+    def inputs_as(self, role: str) -> dict[str, float]:
+        """Return the values of the inputs that the entry gives in a role, by name."""
+        return {
+            name: self[key]
+            for key in self.values
+            if (name := f"{role}.{key}") in INPUTS and (name != YIELD or self.derived - {key})
+        }
+
     def content(self) -> dict[str, Any]:
         """Return the content that results depend on, as plain data: numbers, the evidence, and the other names."""
         return {
@@ -428,15 +447,6 @@ class LibraryEntry:
         optional = {"doubtful": self.doubtful, "aliases": list(self.aliases), **values, **others}
         entry = {"kind": self.kind, "name": self.name, "description": self.description}
         return entry | {key: value for key, value in optional.items() if value}
-
-
-def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
-    """Return the values of the inputs that an entry of the library gives in a role, by name."""
-    return {
-        name: entry[key]
-        for key in entry.values
-        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
-    }
 
 
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
@@ -666,11 +676,11 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     is_shown = entry.evidence is not None and entry.evidence.shows_scatter()
     if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not is_shown:
         return {SCATTER_KEYS[0]: least_scatter(entry.scatter_percent)}
-    if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):
+    if entry.kind != "projectile" or is_slender(rod := entry.inputs_as("projectile")):
         return {}
     message = (
         f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the diameter and density given, "
-        f"found {slenderness(inputs_of_entry('projectile', entry)):.3g} diameters; is it in g?"
+        f"found {slenderness(rod):.3g} diameters; is it in g?"
     )
     return {"penetrator_mass_g": message}
 

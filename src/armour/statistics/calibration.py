@@ -22,16 +22,7 @@ from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW, MOST_TESTS
 from armour.scenario.scenario import Scenario
-from armour.statistics.likelihood import (
-    MIN_P_VALUE,
-    Coefficient,
-    InputFit,
-    Likelihood,
-    coefficient_of,
-    fit_inputs,
-    likelihood_of,
-    without,
-)
+from armour.statistics.likelihood import Coefficient, InputFit, Likelihood, fit_inputs, likelihood_of, without
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import nothing_of_error, own_tests, repeated, role_of, unused
 
@@ -327,7 +318,7 @@ def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
         tests=tests.file,
         law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in likelihood.names else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=tuple(coefficient_of(fit, index) for index in range(len(likelihood.names))),
+        coefficients=fit.coefficients(),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in measured_values]),
@@ -456,7 +447,7 @@ def _line(tests: Tests, place: int) -> str:
 def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
     """Yield warnings of a bad fit, of a scatter that is assumed, and of tests unlike those of the model."""
     tests = fit.likelihood.tests
-    if fit.p_value is not None and fit.p_value < MIN_P_VALUE:
+    if fit.p_value is not None and fit.widened_by != 1.0:
         yield (
             "the deviations are larger than the uncertainties given explain: chi-squared "
             f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "

@@ -188,6 +188,10 @@ class InputFit(Precision):
     starts: int
     starts_agreeing: int
 
+    def coefficients(self) -> tuple[Coefficient, ...]:
+        """Return the inputs with their profile-likelihood intervals, or why the tests do not identify them."""
+        return tuple(_coefficient(self, index) for index in range(len(self.likelihood.names)))
+
 
 def fit_inputs(likelihood: Likelihood) -> InputFit:
     """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
@@ -373,8 +377,7 @@ def _hazard(z: Floats) -> Floats:
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
 
 
-def coefficient_of(fit: InputFit, index: int) -> Coefficient:
-    """Return an input with its profile-likelihood interval, or why the tests do not identify it."""
+def _coefficient(fit: InputFit, index: int) -> Coefficient:
     likelihood, name = fit.likelihood, fit.likelihood.names[index]
     unit, error = float(likelihood.units[index]), sqrt(max(float(fit.covariance[index, index]), 0.0))
     bounds = float(likelihood.lower[index]), float(likelihood.upper[index])

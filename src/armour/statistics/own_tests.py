@@ -187,9 +187,8 @@ def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) 
     logarithm of a ratio: limits by the entry's own flow stress, which is uncertain, over limits by the fitted one.
     """
     shipped = tests_of_tiles()
-    has_tests = (
-        entry.origin == shipped.ceramic and not is_outside(shipped.kind[:2], variants.armours.quantities()).any()
-    )
+    is_outside_any = is_outside(shipped.kind[:2], variants.armours.quantities()).any()
+    has_tests = entry.origin == shipped.ceramic and not is_outside_any
     laws = {fit.name: shipped_data()["fit"][fit.name]["flow_stress"] for fit in shipped.fits}
     ratio = 1.0 if has_tests else entry["flow_stress_GPa"] / laws["constant"]["flow_stress_GPa"]
     by_law = []

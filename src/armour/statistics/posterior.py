@@ -68,6 +68,11 @@ class FiringPrior(NamedTuple):
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
 
+    @property
+    def plausible_factor(self) -> float:
+        """Factor by which the scatter exceeds the expected one at most, unless it contradicts the prior."""
+        return self.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
         """Return the log-density, up to a constant, at V50s, m/s, and logarithms of scatter / V50."""
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)

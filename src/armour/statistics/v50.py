@@ -578,10 +578,11 @@ def v50(
             message = f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}"
             raise mistake(scenario.file, "uncertainty.model", message)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
-        posterior = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
-        prior_estimate, posterior_estimate, share, contradictions = learned(
-            posterior_of(model_prior, (), ()), posterior, confidence
+        before, after = (
+            posterior_of(model_prior, (), ()),
+            posterior_of(model_prior, shots.velocities_m_s, shots.complete),
         )
+        prior_estimate, posterior_estimate, share, contradictions = learned(before, after, confidence)
     subject = f"V50 of the shots in {Path(shots.file).name}"
     if scenario is not None:
         subject += f": {scenario.subject(ANY_VELOCITY)}"
