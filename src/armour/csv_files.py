@@ -207,7 +207,7 @@ class TableKind(NamedTuple):
     numbers: tuple[str, ...]
     texts: tuple[str, ...]  # the first names the row
     needed: tuple[str, ...] = ()
-    usual: str = ""  # columns that a message lists, by default all
+    usual: str = ""  # columns that a message lists, by default all but the exact ones
     exact: tuple[str, ...] = ()  # texts that no other column is a misspelling of
 
     @property
@@ -587,7 +587,8 @@ def _wrong_columns(
     source: Source, columns: Sequence[Column], unread: Collection[int], kind: TableKind
 ) -> Iterator[tuple[str, str]]:
     """Yield the mistakes in the columns of a table: the name of the column, and what is wrong."""
-    keys, usual = kind.keys, kind.usual or ", ".join(kind.keys)
+    keys = kind.keys
+    usual = kind.usual or ", ".join(key for key in keys if key not in kind.exact)
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     missing, several = [key for key in keys if key not in {*known_keys, *kind.exact}], set[str]()

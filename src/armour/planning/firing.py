@@ -25,15 +25,10 @@ Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
 LIMITED = ("langlie", "neyer")
 HALF_WIDTH_M_S = 15.0
-# Probability of V50 within the limits of Langlie's and Neyer's procedures, unless these limits are given.
-LIMITS_PROBABILITY = 0.99
-PLAN_POINTS = 201
 # Without a model error, V50 is expected within the fraction WIDE of the model's limit or of the middle of the shots,
 # with a probability of 95 %; WITHIN is the normal quantile for this probability, and NORMAL are degrees of
 # freedom at which Student's t distribution is practically normal.
 WIDE, WITHIN, NORMAL = 0.3, 1.96, 1e6
-# A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
-ABSURD_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
@@ -246,16 +241,11 @@ def plan_shots(
     if half_width_m_s is None and requirement_m_s is None and procedure != "up-and-down":
         half_width_m_s = HALF_WIDTH_M_S
     settings = ShotSettings(
-        prior=expectation,
-        limits_m_s=limits or (-inf, inf),
-        half_width_m_s=half_width_m_s,
-        confidence=confidence,
-        requirement_m_s=requirement_m_s,
-        requirement_fraction=requirement_fraction,
+        expectation, limits or (-inf, inf), half_width_m_s, confidence, requirement_m_s, requirement_fraction
     )
-    rule = procedures.PROCEDURES[procedure]
-    end_reason = rule.ended(shots, settings)
-    aim = None if end_reason else rule.aim(shots, settings)
+    next_aim, why_ended = procedures.PROCEDURES[procedure]
+    end_reason = why_ended(shots, settings)
+    aim = None if end_reason else next_aim(shots, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, shots.velocities_m_s, shots.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
@@ -346,15 +336,15 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     """Return the curves over the velocities of the prior's 99 % interval and of the shots."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
-    velocities = np.linspace(min(shown), max(shown), PLAN_POINTS)
+    velocities = np.linspace(min(shown), max(shown), 201)
     probability = expected(posterior.grid.response(velocities), posterior.weights)
     columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
 
 
-def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
-    """Return the interval in which the prior expects V50 with a probability, m/s."""
-    return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - probability))
+def limits_of(prior: FiringPrior) -> tuple[float, float]:
+    """Return the interval in which the prior expects V50 with a probability of 99 %, m/s."""
+    return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - 0.99))
 
 
 def aimed(velocity_m_s: float) -> float:
@@ -364,7 +354,7 @@ def aimed(velocity_m_s: float) -> float:
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
     """Return a message that a velocity is too far from the expected V50, `limit_m_s`, to be right; "" if it is near."""
-    if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
+    if limit_m_s / 3.0 <= velocity_m_s <= limit_m_s * 3.0:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"
     return f"{near}, found {velocity_m_s:g}; is it in m/s?"

@@ -471,16 +471,10 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     )
 
 
-class Rule(NamedTuple):
-    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it has not."""
-
-    aim: Callable[[Shots, ShotSettings], Aim]
-    ended: Callable[[Shots, ShotSettings], str]
-
-
-PROCEDURES: Mapping[str, Rule] = {
-    "bayesian": Rule(next_bayesian, stopped_bayesian),
-    "neyer": Rule(next_by_neyer, stopped),
-    "langlie": Rule(next_by_langlie, stopped),
-    "up-and-down": Rule(next_up_and_down, stopped_up_and_down),
+# For each procedure, functions of the shots so far: the next velocity, and why the firing has ended, "" if it has not.
+PROCEDURES: Mapping[str, tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]] = {
+    "bayesian": (next_bayesian, stopped_bayesian),
+    "neyer": (next_by_neyer, stopped),
+    "langlie": (next_by_langlie, stopped),
+    "up-and-down": (next_up_and_down, stopped_up_and_down),
 }

@@ -23,7 +23,6 @@ from armour.scenario.keys import describe, key_name, plain_name, with_plain_keys
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
 from armour.units import GPA, MPA
 
-Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
 
 
@@ -44,7 +43,7 @@ class Value(Section, Generic[Number]):
 
     value: Number
     """The number, in the unit of the key."""
-    status: Status = "assumed"
+    status: Literal["measured", "nominal", "fitted", "assumed"] = "assumed"
     """How the number is known: "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed"."""
     source: str = ""
     """Source of the number."""
@@ -305,17 +304,10 @@ class Metal(Layer):
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
 # Keys of the values of each kind.
 VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
-# Files of the shipped library.
-FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the formulas of `armour compare`.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
-FLOW_STRESS_LAW = (
-    "flow_stress_backing_exponent",
-    "flow_stress_product_exponent",
-    "flow_stress_ceramic_slope",
-    "flow_stress_backing_slope",
-)
+FLOW_STRESS_LAW = tuple(key for key in Ceramic.model_fields if key.endswith(("_exponent", "_slope")))
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 FLOW_STRESS_KEY = "flow_stress_GPa"
 # Keys that an entry may lack.
@@ -336,8 +328,6 @@ NO_METAL = re.compile(
 )
 NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
 PAGE = "docs/howto/confidence.md"
-# Most entries with similar names that a message lists.
-MOST_ALIKE = 12
 # Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
@@ -467,7 +457,7 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     if NO_METAL.search(name) and not named:
         return f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}"
     for found in (named, alike(re.split("[ -]", name)[0], 0), alike(name, 1)):
-        if 0 < len(found) <= MOST_ALIKE:
+        if 0 < len(found) <= 12:  # more are no help
             return CHOOSE + ", ".join(found)
     return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
 
@@ -712,7 +702,7 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
 def shipped_library() -> Library:
     """Return the library that is shipped with the package."""
     library = Library()
-    for name in FILES:
+    for name in ("ceramics", "metals", "projectiles", "tested_plates"):
         library = library.extended(read_toml(shipped("configs") / f"{name}.toml"), file="")
     return library
 

@@ -298,14 +298,15 @@ class Scenario(Section):
 
         These are settings of the model and its error, and own entries of the library, with their own tests.
         """
-        usual, parts = schema.DesignSection(), dict[str, Any]()
-        for key, section, default in (("model", self.model, schema.Model()), ("uncertainty", self.uncertainty, None)):
-            if section != default:
-                parts[key] = section and section.model_dump(mode="json")
-        as_at_normal = (self.design or usual).angles_as_at_normal_incidence
-        parts |= {"design.angles_as_at_normal_incidence": True} if as_at_normal else {}
-        scatter = (self.design or usual).scatter_percent
-        parts |= {} if scatter is None else {"design.scatter_percent": scatter}
+        design, parts = self.design or schema.DesignSection(), dict[str, Any]()
+        if self.model != schema.Model():
+            parts["model"] = self.model.model_dump(mode="json")
+        if self.uncertainty is not None:
+            parts["uncertainty"] = self.uncertainty.model_dump(mode="json")
+        if design.angles_as_at_normal_incidence:
+            parts["design.angles_as_at_normal_incidence"] = True
+        if design.scatter_percent is not None:
+            parts["design.scatter_percent"] = design.scatter_percent
         for kind, name in self.named_entries():
             if (entry := self.entry(kind, name)).file:
                 parts[keys.key_name(("library", kind, entry.name))] = entry.content()
@@ -397,8 +398,7 @@ class Scenario(Section):
 
     def excludes_error(self) -> bool:
         """Return whether the scenario excludes the model error."""
-        section = None if self.uncertainty is None else self.uncertainty.model
-        return section is not None and not section.included
+        return bool(self.uncertainty and self.uncertainty.model and not self.uncertainty.model.included)
 
     def required_probabilities(self) -> tuple[float | None, ...]:
         """Return the probability of stopping each threat that is required; None where none is."""

@@ -5,23 +5,14 @@ from collections.abc import Sequence
 from math import floor, inf
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    create_model,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, create_model, model_validator
 
 from armour.core import equations
 from armour.errors import suggestion
 from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind, cosine_of
 from armour.scenario.keys import plain_name
 from armour.scenario.library import THREAT_KEYS, AssumedScatter, LibraryTables, check_scatter, hint, named_threats
-from armour.scenario.sections import LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
+from armour.scenario.sections import AS_LIST, AS_RANGE, LIST_OR_RANGE, NOT_TINY, Items, Section, above
 from armour.units import MM, US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -319,8 +310,7 @@ def _listed(value: object) -> object:
 
 
 _Thicknesses = Annotated[
-    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)] | Annotated[Range, Tag(RANGE_TAG)],
-    Discriminator(lambda value: RANGE_TAG if isinstance(value, dict | Range) else LIST_TAG),
+    Annotated[list[ThicknessOrNone], Field(min_length=1), AS_LIST] | Annotated[Range, AS_RANGE], LIST_OR_RANGE
 ]
 Thicknesses = Annotated[_Thicknesses, BeforeValidator(_listed, json_schema_input_type=ThicknessOrNone | _Thicknesses)]
 
@@ -457,12 +447,6 @@ class DesignSection(Section):
 # Wide bounds that keep the arithmetic from overflowing.
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
-# Greatest number of samples of a scenario.
-MAX_SAMPLES = 2**22
-# Fewer samples give no confidence interval for the 5 % quantile.
-MIN_SAMPLES = 128
-# Standard deviations within which the scenario's own value is near a given mean.
-NEAR_DEVIATIONS = 3.0
 
 
 class Distribution(Section):
@@ -512,10 +496,10 @@ class Distribution(Section):
         return mean, abs(mean) * percent / 100.0 if percent is not None else self.standard_deviation or 0.0
 
     def contains(self, value: float) -> bool:
-        """Return whether the scenario's value lies between min and max and, if a mean is given, near it."""
+        """Return whether the scenario's value lies between min and max, and within 3 deviations of a given mean."""
         low, high = self.ends
         mean, deviation = self.moments(value)
-        return low <= value <= high and abs(value - mean) <= NEAR_DEVIATIONS * deviation
+        return low <= value <= high and abs(value - mean) <= 3.0 * deviation
 
     def mean_problem(self, value: float) -> str:
         """Return why the distribution cannot have its mean, by default the scenario's value; "" if it can."""
@@ -602,7 +586,8 @@ def _power_of_2(samples: int) -> int:
 class Uncertainty(Section):
     """Distributions of the uncertain inputs, their correlations, the model error and the sampling."""
 
-    samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES), AfterValidator(_power_of_2)] = 4096
+    # Fewer samples give no confidence interval for the 5 % quantile.
+    samples: Annotated[int, Field(ge=128, le=2**22), AfterValidator(_power_of_2)] = 4096
     """Number of samples, which are scrambled Sobol' points: a power of 2."""
     seed: Annotated[int, Field(ge=0)] = 1
     """Seed of the random numbers."""

@@ -71,8 +71,6 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
-# Number of random permutations of the deviations in a permutation test.
-PERMUTATIONS = 4999
 # Formats of dates, of which a column has one: the day goes before the month where both are possible.
 DATE_FORMATS = ("%Y-%m-%d", "%Y-%m-%d %H:%M:%S", "%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d/%m/%y", "%m/%d/%y")
 # A computed value may miss a bound by this much, half of the last digit shown, and still meet it.
@@ -419,7 +417,7 @@ def _chance(deviations: Floats, contrasts: Any, counts: Any) -> float:
 
     The measure is the sum of the squares of the `contrasts`, (k, n), over `counts`, (k,).
     """
-    shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (PERMUTATIONS, 1)), axis=1)
+    shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (4999, 1)), axis=1)
     squares = ((np.vstack([deviations, shuffled]) @ contrasts.T) ** 2 / counts).sum(axis=1)
     return float((squares > squares[0] * (1.0 - 1e-9)).mean())
 

@@ -48,8 +48,6 @@ STARTS = np.geomspace(1e-2, 5e3, 97)
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
-# Decimals of log-likelihoods beyond which they differ by rounding alone.
-EQUAL = 9
 # Number of velocities at which a band is computed.
 BAND_NODES = 13
 # In the penalty, velocities are clipped to the middle range of the shots, which leaves out one in OUTER at either end,
@@ -368,7 +366,7 @@ class ShotLikelihood:
 
 def _maxima(values: Floats) -> list[int]:
     """Return the indices of the values that no neighbour exceeds; of neighbours that are equal, the first."""
-    values = values.round(EQUAL)
+    values = values.round(9)  # beyond which log-likelihoods differ by rounding alone
     return np.flatnonzero((values > np.append(-inf, values[:-1])) & (values >= np.append(values[1:], -inf))).tolist()
 
 

@@ -290,11 +290,6 @@ def _bare_plates(rows: Sequence[CsvRow]) -> set[str]:
     return places
 
 
-def series_of(tests: Tests, test: int) -> tuple[str, ...]:
-    """Return the laboratory and the series of a test, in the order of their columns; empty texts where not named."""
-    return tuple(str(tests.cells[test].get(name, "")) for name in SERIES_COLUMNS)
-
-
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row as pairs of column and message; `repeated_names` are names of several tests."""
     mistakes = []

@@ -21,7 +21,7 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, ROD, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-from armour.statistics.measured import LIMIT, Measurement, Tests, series_of
+from armour.statistics.measured import LIMIT, SERIES_COLUMNS, Measurement, Tests
 
 # Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
@@ -149,7 +149,7 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], used: Sequence[int]) ->
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
-    series = [series_of(tests, shot.test) for shot in shots]
+    series = [tuple(str(tests.cells[shot.test].get(name, "")) for name in SERIES_COLUMNS) for shot in shots]
     stored_keys = [*library.VARIED, *library.IN_COMMON, *library.TEST_RESULTS]
     stored_keys += [library.SERIES_KEY] * (len({*series}) > 1)
     q[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
