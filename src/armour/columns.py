@@ -49,10 +49,6 @@ _DOUBT = re.compile(r"[^\w\s.,'\u2019/-]")
 _CODES = re.compile(r"([^\W_]+)\s*[=:]\s*([^\W\d_]+(?: [^\W\d_]+)*)")
 _OR = r"(?:/|\bor\b|\boder\b|\bou\b)"
 _EITHER = re.compile(rf"([^\W_]+)\s*{_OR}\s*([^\W_]+)")
-# Yes, in a column of crosses and blanks.
-CROSS = "x"
-# Greatest number of letters of a code, such as PP, which does not say what yes means.
-LONGEST_CODE = 3
 
 
 class Column(NamedTuple):
@@ -104,7 +100,7 @@ class Column(NamedTuple):
         given = {cell.casefold() for cell in cells} - {""}
         if self.counts and {*map(self.says, given)} == {False}:
             return [cell or ("no" if self.yes is False else "yes") for cell in cells]
-        if self.yes is None or given - {CROSS} or not (given or (self.counts and self.yes is False)):
+        if self.yes is None or given - {"x"} or not (given or (self.counts and self.yes is False)):
             return cells
         return ["yes" if cell else "no" for cell in cells]
 
@@ -150,8 +146,8 @@ def is_yes(word: str) -> bool | None:
 
 
 def is_code(text: str) -> bool:
-    """Return whether a text is as short as a code, such as PP."""
-    return len(letters(text)) <= LONGEST_CODE
+    """Return whether a text is as short as a code, such as PP, which does not say what yes means."""
+    return len(letters(text)) <= 3
 
 
 def sums_up(name: str) -> bool:

@@ -99,21 +99,14 @@ class Source:
         self.options += options
 
     def numbers(
-        self,
-        name: str,
-        column: Column,
-        at: Sequence[str],
-        cells: Sequence[str],
-        mark: str = "",
-        *,
-        needed: bool = False,
-    ) -> tuple[list[float | None], str]:
-        """Return the numbers of a column, in the unit of its key, and their decimal mark, unless `mark` gives it.
+        self, name: str, column: Column, at: Sequence[str], cells: Sequence[str], *, needed: bool = False
+    ) -> list[float | None]:
+        """Return the numbers of a column, in the unit of its key.
 
         A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
         `needed`.
         """
-        mark = mark or decimal_mark(cells, column, self.separator) or ""
+        mark = decimal_mark(cells, column, self.separator) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
         if not mark or None in values:
             for index, cell in enumerate(cells):
@@ -123,7 +116,7 @@ class Source:
                     values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
         self.conversions += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
-        return [None if value is None else value * column.factor for value in values], mark
+        return [None if value is None else value * column.factor for value in values]
 
     def refuse(self) -> None:
         """Raise an error with all that is wrong, in the order of the lines, after what is wrong in the whole file."""
@@ -214,7 +207,7 @@ class TableKind(NamedTuple):
     numbers: tuple[str, ...]
     texts: tuple[str, ...]  # the first names the row
     needed: tuple[str, ...] = ()
-    usual: str = ""  # columns that a message lists, by default all
+    usual: str = ""  # columns that a message lists, by default all but the exact ones
     exact: tuple[str, ...] = ()  # texts that no other column is a misspelling of
 
     @property
@@ -377,7 +370,7 @@ def _only_table(workbook: Workbook, known: Callable[[str], bool]) -> str:
         names = [name for name, head in zip(names, heads, strict=True) if _most_known(head, known)[0] >= LEAST_NAMES]
     if len(names) != 1:
         found = f"found {listed(names) or 'none'}; --sheet chooses from {listed([*workbook.sheets])}"
-        raise mistake(workbook.path, "", f"must have one visible sheet with a table, {found}")
+        raise mistake(workbook.archive.path, "", f"must have one visible sheet with a table, {found}")
     return names[0]
 
 
@@ -464,7 +457,7 @@ def _fill(
             message = "must have values, found none; save the workbook after its last calculation"
             raise mistake(source.file, name, message)
         if column.known and column.key in kind.numbers:
-            numbers, _ = source.numbers(name, column, [row.place for row in rows], cells)
+            numbers = source.numbers(name, column, [row.place for row in rows], cells)
             if column.averaged:
                 repeated.setdefault(column.key, {})[name] = numbers
             for row, cell, number in zip(rows, cells, numbers, strict=True):
@@ -594,7 +587,8 @@ def _wrong_columns(
     source: Source, columns: Sequence[Column], unread: Collection[int], kind: TableKind
 ) -> Iterator[tuple[str, str]]:
     """Yield the mistakes in the columns of a table: the name of the column, and what is wrong."""
-    keys, usual = kind.keys, kind.usual or ", ".join(kind.keys)
+    keys = kind.keys
+    usual = kind.usual or ", ".join(key for key in keys if key not in kind.exact)
     known_keys = [column.key for column in columns if column.known]
     sections = {key.partition(".")[0] for key in keys if "." in key}
     missing, several = [key for key in keys if key not in {*known_keys, *kind.exact}], set[str]()

@@ -17,7 +17,7 @@ from pathlib import Path
 from shlex import quote
 from typing import Any, BinaryIO
 
-from armour.errors import Problem, mistake, refuse, suggestion
+from armour.errors import Problem, joined, mistake, refuse, suggestion
 
 # Beginnings of formulas: in a cell or, for a spreadsheet whose cells semicolons divide, within one; and the apostrophe
 # that prevents each.
@@ -31,17 +31,14 @@ MAX_BYTES = 10_000_000
 # Greatest depth of the tables in a file, and a key of as many parts, on which the parser would take long.
 MAX_DEPTH = 50
 _DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
-# Greatest number of characters shown of a line with an error.
-MAX_SHOWN = 80
 
 _PACKAGE = Path(__file__).resolve().parent
-_CHECKOUT = _PACKAGE.parent.parent
 
 
 def shipped(folder: str) -> Path:
     """Return a folder of shipped data ("configs", ...): in the installed package, or at the top of a checkout."""
     installed = _PACKAGE / folder
-    return installed if installed.is_dir() else _CHECKOUT / folder
+    return installed if installed.is_dir() else _PACKAGE.parent.parent / folder
 
 
 @cache
@@ -171,7 +168,7 @@ def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         # Most errors are texts without quotes, and decimal commas; the line shows them.
         place = re.search(r"at line (\d+)", str(error))
-        line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:MAX_SHOWN]) if place and quoted else ""
+        line = ": " + printable(text.split("\n")[int(place[1]) - 1].strip()[:80]) if place and quoted else ""
         message = f"must be valid TOML, found an error: {error}{line}"
     except ValueError:  # Python converts no more digits
         message = f"must be valid TOML of numbers of at most {sys.get_int_max_str_digits()} digits, found a longer one"
@@ -231,8 +228,7 @@ def wrong_ending(path: Path, endings: Sequence[str]) -> list[Problem]:
     """Return the problem of an output file whose ending is not one of those allowed, such as ".csv"; [] if it is."""
     if path.suffix.lower() in endings:
         return []
-    words = " or ".join(filter(None, (", ".join(endings[:-1]), endings[-1])))
-    return [Problem(str(path), "", f"must end in {words}, found {path.suffix or 'no ending'}")]
+    return [Problem(str(path), "", f"must end in {joined(endings, 'or')}, found {path.suffix or 'no ending'}")]
 
 
 def unwritable(path: Path) -> list[Problem]:

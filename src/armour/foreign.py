@@ -4,8 +4,6 @@ from collections.abc import Iterable, Mapping
 from math import nan
 from typing import Any, Protocol
 
-OWN = {str, float, int, bool, type(None)}
-
 
 class Frame(Protocol):
     """A data frame of pandas or polars."""
@@ -27,7 +25,7 @@ def plain(value: Any) -> Any:
 
     A number with a unit becomes a text, which nothing takes for a number: in another unit it is another one.
     """
-    if type(value) in OWN:
+    if value is None or type(value) in (str, float, int, bool):
         return value
     shape = getattr(value, "shape", None)
     if (shape == () or (shape is None and hasattr(value, "__float__"))) and _has_unit(value):

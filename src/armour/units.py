@@ -26,15 +26,11 @@ ENDINGS = {
 }
 
 
-# Factor by which a computed limit and a measured one may differ.
-UNLIKE = 1.4
-
-
 def feet_note(velocity_m_s: float, limit_m_s: float) -> str:
     """Return a note if the ratio of a velocity to a limit suggests that one of them is in ft/s; otherwise ""."""
     ratio = velocity_m_s / limit_m_s
     for factor, unit in ((1.0 / FT, "ft/s"), (FT, "m/s in a column of ft/s")):
-        if 1.0 / UNLIKE < ratio / factor < UNLIKE:
+        if 1.0 / 1.4 < ratio / factor < 1.4:  # as much as a computed limit and a measured one may differ
             return (
                 f"the velocities, about {velocity_m_s:.0f} m/s, are {ratio:.2g} times the limit by the model, "
                 f"{limit_m_s:.0f} m/s: they are probably {unit}; give the unit in the header, as in Velocity (ft/s)"

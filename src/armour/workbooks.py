@@ -36,15 +36,15 @@ Tag = tuple[str, Mapping[str, str], str]
 class Archive(ZipFile):
     """The parts of a workbook, and how many more tags and bytes of them may be read."""
 
-    def __init__(self, content: bytes) -> None:
+    def __init__(self, path: Path, content: bytes) -> None:
         super().__init__(BytesIO(content))
+        self.path = path
         self.tags, self.bytes = 2 * MAX_TAGS, MAX_UNPACKED
 
 
 class Workbook(NamedTuple):
     """A workbook: its sheets, and what their cells refer to."""
 
-    path: Path
     archive: Archive
     sheets: dict[str, str]  # parts of the worksheets by name
     visible: list[str]  # names of those that are not hidden
@@ -70,11 +70,11 @@ def workbook_of(path: Path, content: bytes) -> Workbook:
     """Open the workbook that a file contains; a broken one raises any error."""
     if content.count(b"PK\1\2") > MAX_PARTS:
         raise mistake(path, "", f"must be a workbook of at most {MAX_PARTS:,} parts, found more")
-    archive = Archive(content)
-    main = next(part for kind, part in _related(path, archive, "").values() if kind == "officeDocument")
-    related = _related(path, archive, main)
+    archive = Archive(path, content)
+    main = next(part for kind, part in _related(archive, "").values() if kind == "officeDocument")
+    related = _related(archive, main)
     sheets, visible, first_day = dict[str, str](), list[str](), datetime(1899, 12, 30)
-    for name, attributes, _ in _tags(path, archive, main):
+    for name, attributes, _ in _tags(archive, main):
         if name == "workbookPr" and attributes.get("date1904") in ("1", "true"):
             first_day = datetime(1904, 1, 1)
         elif name == "sheet":
@@ -83,9 +83,9 @@ def workbook_of(path: Path, content: bytes) -> Workbook:
                 sheets[attributes["name"]] = part
                 visible += [attributes["name"]] * (attributes.get("state", "visible") == "visible")
     parts = {kind: part for kind, part in related.values() if part in archive.NameToInfo}
-    texts = [*_shared_texts(path, archive, parts["sharedStrings"])] if "sharedStrings" in parts else []
-    styles = [*_styles(path, archive, parts["styles"])] if "styles" in parts else []
-    return Workbook(path, archive, sheets, visible, texts, styles, first_day)
+    texts = [*_shared_texts(archive, parts["sharedStrings"])] if "sharedStrings" in parts else []
+    styles = [*_styles(archive, parts["styles"])] if "styles" in parts else []
+    return Workbook(archive, sheets, visible, texts, styles, first_day)
 
 
 def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
@@ -96,13 +96,13 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
     number = column = width = 0
     cells, cells_left, characters_left = list[str](), MAX_CELLS, MAX_CHARACTERS
     is_reading, kind, style, value, mark = True, "", 0, "", ""
-    for name, attributes, text in _tags(book.path, book.archive, book.sheets[sheet]):
+    for name, attributes, text in _tags(book.archive, book.sheets[sheet]):
         match name:
             case "row":
                 earlier, number = number, int(attributes.get("r", number + 1))
                 if not earlier < number <= MAX_ROWS:
                     message = f"must be numbered from 1 to {MAX_ROWS:,} in increasing order, found {number}"
-                    raise mistake(book.path, f"rows of the sheet {sheet}", message)
+                    raise mistake(book.archive.path, f"rows of the sheet {sheet}", message)
                 column, cells = 0, []
                 mark = "hidden" if attributes.get("hidden") in ("1", "true") else ""
             case "c":
@@ -115,7 +115,9 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
                 value += text
             case "/c" if found := _text(book, kind, style, value):
                 if column > MAX_COLUMNS:
-                    raise mistake(book.path, f"row {number}", f"must have at most {MAX_COLUMNS:,} columns, found more")
+                    raise mistake(
+                        book.archive.path, f"row {number}", f"must have at most {MAX_COLUMNS:,} columns, found more"
+                    )
                 characters_left -= len(found)
                 cells += [""] * (column - len(cells))
                 cells[column - 1] = found
@@ -126,9 +128,8 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
                 cells_left -= width
                 yield number, cells + [""] * (width - len(cells)), mark
         if min(cells_left, characters_left) < 0:
-            raise mistake(
-                book.path, "", f"must have at most {MAX_CELLS:,} cells and {MAX_CHARACTERS:,} characters in a sheet"
-            )
+            most = f"{MAX_CELLS:,} cells and {MAX_CHARACTERS:,} characters in a sheet"
+            raise mistake(book.archive.path, "", f"must have at most {most}")
 
 
 def comments_of(book: Workbook, sheet: str) -> list[str]:
@@ -136,14 +137,12 @@ def comments_of(book: Workbook, sheet: str) -> list[str]:
     folder, name = split(book.sheets[sheet])
     if join(folder, "_rels", f"{name}.rels") not in book.archive.NameToInfo:
         return []
-    parts = [
-        part for kind, part in _related(book.path, book.archive, book.sheets[sheet]).values() if kind == "comments"
-    ]
-    tags = (tag for part in parts for tag in _tags(book.path, book.archive, part))
+    parts = [part for kind, part in _related(book.archive, book.sheets[sheet]).values() if kind == "comments"]
+    tags = (tag for part in parts for tag in _tags(book.archive, part))
     return [attributes["ref"] for name, attributes, _ in tags if name == "comment"]
 
 
-def _tags(path: Path, archive: Archive, part: str) -> Iterator[Tag]:
+def _tags(archive: Archive, part: str) -> Iterator[Tag]:
     """Yield the tags of a part of a workbook, their names without the namespace."""
     tags: list[Tag] = []
     pieces: list[str] = []
@@ -177,17 +176,17 @@ def _tags(path: Path, archive: Archive, part: str) -> Iterator[Tag]:
             count, length = count + len(tags), length + len(chunk)
             archive.tags, archive.bytes = archive.tags - len(tags), archive.bytes - len(chunk)
             if archive.bytes < 0:
-                raise mistake(path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
+                raise mistake(archive.path, "", f"must be at most {MAX_UNPACKED:,} bytes long when it is unpacked")
             is_unfinished = length - parser.CurrentByteIndex > MAX_TAG or len(pieces) > MAX_PIECES
             if count > MAX_TAGS or archive.tags < 0 or len(names) > MAX_NAMES or depth > MAX_DEPTH or is_unfinished:
-                raise mistake(path, "", "must be a workbook with fewer or shorter cells; save the sheet as CSV")
+                raise mistake(archive.path, "", "must be a workbook with fewer or shorter cells; save the sheet as CSV")
             yield from tags
             tags.clear()
     parser.Parse(b"", True)
     yield from tags
 
 
-def _related(path: Path, archive: Archive, part: str) -> dict[str, tuple[str, str]]:
+def _related(archive: Archive, part: str) -> dict[str, tuple[str, str]]:
     """Return the kind and the name of each part that a part, or "" for the whole workbook, refers to, by their ids."""
     folder, name = split(part)
     return {
@@ -195,15 +194,15 @@ def _related(path: Path, archive: Archive, part: str) -> dict[str, tuple[str, st
             attributes["Type"].rpartition("/")[2],
             normpath(join("/", dirname(part), attributes["Target"])).lstrip("/"),
         )
-        for tag, attributes, _ in _tags(path, archive, join(folder, "_rels", f"{name}.rels"))
+        for tag, attributes, _ in _tags(archive, join(folder, "_rels", f"{name}.rels"))
         if tag == "Relationship"
     }
 
 
-def _shared_texts(path: Path, archive: Archive, part: str) -> Iterator[str]:
+def _shared_texts(archive: Archive, part: str) -> Iterator[str]:
     """Yield the texts to which cells refer by their places."""
     is_reading, pieces, left = True, list[str](), MAX_CHARACTERS
-    for name, _, text in _tags(path, archive, part):
+    for name, _, text in _tags(archive, part):
         match name:
             case "rPh" | "/rPh":
                 is_reading = name == "/rPh"
@@ -214,13 +213,13 @@ def _shared_texts(path: Path, archive: Archive, part: str) -> Iterator[str]:
                 yield "".join(pieces).strip()
                 pieces = []
         if left < 0:
-            raise mistake(path, "", f"must have at most {MAX_CHARACTERS:,} characters")
+            raise mistake(archive.path, "", f"must have at most {MAX_CHARACTERS:,} characters")
 
 
-def _styles(path: Path, archive: Archive, part: str) -> Iterator[tuple[bool, bool]]:
+def _styles(archive: Archive, part: str) -> Iterator[tuple[bool, bool]]:
     """Yield whether each style of cells shows dates or times, and whether it strikes texts through."""
     formats, struck, is_of_cells = {*map(str, _DATES)}, list[bool](), False
-    for name, attributes, _ in _tags(path, archive, part):
+    for name, attributes, _ in _tags(archive, part):
         match name:
             case "numFmt":
                 code = _LITERAL.sub("", attributes["formatCode"]).partition(";")[0].lower()

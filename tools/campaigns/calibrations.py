@@ -122,7 +122,7 @@ class Simulation:
         """Return the inputs whose intervals hold the true value."""
         likelihood = likelihood_fit.likelihood_of(self.drawn(dice), [*self.truth], ignore_progress)
         fit = likelihood_fit.fit_inputs(likelihood)
-        for found in likelihood_fit.intervals(fit):
+        for found in fit.coefficients():
             if holds(found.interval or (None, None), self.truth[found.name]):
                 yield found.name
 

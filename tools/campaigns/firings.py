@@ -55,7 +55,7 @@ def fired(firings: Firings, confidence: float, truths: Floats, scatters: Floats,
         shots[going[over]] = number
         held[going[over]] = ((low <= truths[going]) & (truths[going] <= high))[over]
         going = going[~over]
-        firings.keep(~over)
+        firings.weights = firings.weights[~over]
         if not len(going):
             break
     return Outcome(shots, held)

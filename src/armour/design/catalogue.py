@@ -16,7 +16,6 @@ from armour.errors import Note, Problem, refuse
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Far, Materials, is_untested, lacks_sources, what_was_tested
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, VELOCITY, cosine_of, fields_of
-from armour.scenario.library import inputs_of_entry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import (
     MAX_DESIGNS,
@@ -264,10 +263,10 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     metals = [scenario.entry("metal", layer.material) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
     inputs = {
-        "ceramic": [{} if entry is None else inputs_of_entry("ceramic", entry) for entry in ceramics],
-        "backing": [inputs_of_entry("backing", entry) for entry in metals],
+        "ceramic": [{} if entry is None else entry.inputs_as("ceramic") for entry in ceramics],
+        "backing": [entry.inputs_as("backing") for entry in metals],
         "projectile": [
-            {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", projectile)}
+            {OBLIQUITY: threat.obliquity_deg, **projectile.inputs_as("projectile")}
             for threat, projectile in zip(threats, projectiles, strict=True)
         ],
     }

@@ -18,29 +18,17 @@ from armour.scenario.checked import checked
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
 from armour.statistics import v50
 from armour.statistics.curves import FittedCurve
-from armour.statistics.posterior import (
-    FiringEstimate,
-    FiringPrior,
-    Posterior,
-    expected,
-    learned,
-    posterior_of,
-)
+from armour.statistics.posterior import FiringEstimate, FiringPrior, Posterior, expected, learned, posterior_of
 from armour.statistics.v50 import Fraction, MeanV50, Shots, Velocity
 
 Procedure = Literal["bayesian", "neyer", "langlie", "up-and-down"]
 # Procedures that start from limits of V50 and have no requirement.
 LIMITED = ("langlie", "neyer")
 HALF_WIDTH_M_S = 15.0
-# Probability of V50 within the limits of Langlie's and Neyer's procedures, unless these limits are given.
-LIMITS_PROBABILITY = 0.99
-PLAN_POINTS = 201
 # Without a model error, V50 is expected within the fraction WIDE of the model's limit or of the middle of the shots,
 # with a probability of 95 %; WITHIN is the normal quantile for this probability, and NORMAL are degrees of
 # freedom at which Student's t distribution is practically normal.
 WIDE, WITHIN, NORMAL = 0.3, 1.96, 1e6
-# A shot or a requirement is refused if its velocity differs from the expected V50 by more than this factor.
-ABSURD_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
@@ -231,17 +219,16 @@ def plan_shots(
     refuse(Problem(shots.file, v50.TARGET, wrong) for wrong in (v50.of_another(shots, scenario) if scenario else ()))
     v50.check_not_swapped(shots)
     required, is_bayesian = requirement_m_s is not None, procedure == "bayesian"
-    no_fraction = "must not be given without a requirement"
-    no_requirement = f"must not be given with {procedure}, which has no requirement"
-    other_end = "must not be given with a requirement, which ends the firing"
-    low, high = limits_m_s or (0.0, inf)
-    conflicts = [
-        ("requirement_fraction", requirement_fraction != 0.5 and not required, no_fraction),
-        ("requirement_m_s", required and procedure in LIMITED, no_requirement),
-        ("half_width_m_s", half_width_m_s and required and is_bayesian, other_end),
-        ("limits_m_s", low >= high, f"must rise, found {low:g} and {high:g}"),
-    ]
-    refuse(Problem("plan_shots", key, message) for key, wrong, message in conflicts if wrong)
+    conflicts = {}
+    if requirement_fraction != 0.5 and not required:
+        conflicts["requirement_fraction"] = "must not be given without a requirement"
+    if required and procedure in LIMITED:
+        conflicts["requirement_m_s"] = f"must not be given with {procedure}, which has no requirement"
+    if half_width_m_s and required and is_bayesian:
+        conflicts["half_width_m_s"] = "must not be given with a requirement, which ends the firing"
+    if limits_m_s and limits_m_s[0] >= limits_m_s[1]:
+        conflicts["limits_m_s"] = "must rise, found {:g} and {:g}".format(*limits_m_s)
+    refuse(Problem("plan_shots", key, message) for key, message in conflicts.items())
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
@@ -254,16 +241,11 @@ def plan_shots(
     if half_width_m_s is None and requirement_m_s is None and procedure != "up-and-down":
         half_width_m_s = HALF_WIDTH_M_S
     settings = ShotSettings(
-        prior=expectation,
-        limits_m_s=limits or (-inf, inf),
-        half_width_m_s=half_width_m_s,
-        confidence=confidence,
-        requirement_m_s=requirement_m_s,
-        requirement_fraction=requirement_fraction,
+        expectation, limits or (-inf, inf), half_width_m_s, confidence, requirement_m_s, requirement_fraction
     )
-    rule = procedures.PROCEDURES[procedure]
-    end_reason = rule.ended(shots, settings)
-    aim = None if end_reason else rule.aim(shots, settings)
+    next_aim, why_ended = procedures.PROCEDURES[procedure]
+    end_reason = why_ended(shots, settings)
+    aim = None if end_reason else next_aim(shots, settings)
     prior_of_v50 = posterior_of(expectation, (), ())
     posterior_of_v50 = posterior_of(expectation, shots.velocities_m_s, shots.complete)
     prior_estimate, estimate, prior_share, contradictions = learned(prior_of_v50, posterior_of_v50, confidence)
@@ -354,15 +336,15 @@ def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
     """Return the curves over the velocities of the prior's 99 % interval and of the shots."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
-    velocities = np.linspace(min(shown), max(shown), PLAN_POINTS)
+    velocities = np.linspace(min(shown), max(shown), 201)
     probability = expected(posterior.grid.response(velocities), posterior.weights)
     columns = (velocities, prior.density(velocities), posterior.density(velocities), probability)
     return PlanCurve(*(tuple(column.tolist()) for column in columns))
 
 
-def limits_of(prior: FiringPrior, probability: float = LIMITS_PROBABILITY) -> tuple[float, float]:
-    """Return the interval in which the prior expects V50 with a probability, m/s."""
-    return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - probability))
+def limits_of(prior: FiringPrior) -> tuple[float, float]:
+    """Return the interval in which the prior expects V50 with a probability of 99 %, m/s."""
+    return prior.error.interval(prior.limit_m_s, 0.5 * (1.0 - 0.99))
 
 
 def aimed(velocity_m_s: float) -> float:
@@ -372,7 +354,7 @@ def aimed(velocity_m_s: float) -> float:
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
     """Return a message that a velocity is too far from the expected V50, `limit_m_s`, to be right; "" if it is near."""
-    if limit_m_s / ABSURD_FACTOR <= velocity_m_s <= limit_m_s * ABSURD_FACTOR:
+    if limit_m_s / 3.0 <= velocity_m_s <= limit_m_s * 3.0:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"
     return f"{near}, found {velocity_m_s:g}; is it in m/s?"

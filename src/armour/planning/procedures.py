@@ -18,16 +18,7 @@ from scipy.special import ndtri
 
 from armour.analysis.variants import Bools, Floats, Ints
 from armour.statistics.curves import LOG_INFORMATION, FittedCurve, ShotLikelihood, fit_curve, has_curve
-from armour.statistics.posterior import (
-    GRID_NODES,
-    PLAUSIBLE,
-    FiringPrior,
-    Posterior,
-    V50Grid,
-    expected,
-    normalised,
-    posterior_of,
-)
+from armour.statistics.posterior import GRID_NODES, FiringPrior, Posterior, V50Grid, expected, normalised, posterior_of
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
 from armour.units import FT
 
@@ -98,9 +89,8 @@ def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatt
     scatter_deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])
     distance = np.append(np.repeat(np.sinh(arsinh_distance), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
     edge_scatters = requirement_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
-    scatter = np.append(
-        np.tile(scatter_m_s * np.exp(log(scatter_factor) * scatter_deviation), DEMAND_NODES[0]), edge_scatters
-    )
+    scatters = scatter_m_s * np.exp(log(scatter_factor) * scatter_deviation)
+    scatter = np.append(np.tile(scatters, DEMAND_NODES[0]), edge_scatters)
     weights = np.exp(-0.5 * np.add.outer((arsinh_distance / SPREAD) ** 2, scatter_deviation**2)).ravel()
     weights = np.append(weights / weights.sum(), np.full(EDGE_NODES, EDGE_WEIGHT))
     grid = V50Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
@@ -174,11 +164,10 @@ def next_up_and_down(shots: Shots, settings: ShotSettings) -> Aim:
         if settings.requirement_m_s is None:
             return Aim(settings.prior.limit_m_s, "the first shot is at the estimated V50")
         return Aim(settings.requirement_m_s + ABOVE_M_S, f"the first shot is {ABOVE_M_S:.1f} m/s above the requirement")
-    step = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S
-    last, complete = shots.velocities_m_s[-1], shots.complete[-1]
-    side, kind = ("below", "complete") if complete else ("above", "partial")
-    reason = f"{step:.1f} m/s {side} the last shot, a {kind} penetration"
-    return Aim(last - step if complete else last + step, reason)
+    step, last = STEP_M_S if len(set(shots.complete)) == 2 else FIRST_STEP_M_S, shots.velocities_m_s[-1]
+    if shots.complete[-1]:
+        return Aim(last - step, f"{step:.1f} m/s below the last shot, a complete penetration")
+    return Aim(last + step, f"{step:.1f} m/s above the last shot, a partial penetration")
 
 
 def stopped_up_and_down(shots: Shots, settings: ShotSettings) -> str:
@@ -211,10 +200,8 @@ def next_by_langlie(shots: Shots, settings: ShotSettings) -> Aim:
     for number in range(len(velocities), 0, -1):
         excess += 1 if shots.complete[number - 1] else -1
         if excess == 0:
-            reason = (
-                f"midway between the last shot and shot {number}, from which on half of the penetrations are complete"
-            )
-            return Aim(0.5 * (last + velocities[number - 1]), reason)
+            reason = f"midway between the last shot and shot {number}, from which on half of the penetrations are "
+            return Aim(0.5 * (last + velocities[number - 1]), f"{reason}complete")
     end, name = (lower, "lower") if shots.complete[-1] else (upper, "upper")
     return Aim(0.5 * (last + end), f"midway between the last shot and the {name} limit, {end:.1f} m/s")
 
@@ -353,7 +340,7 @@ def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floa
 
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
     """Return `count` evenly spaced velocities to choose the next one from, m/s."""
-    greatest = settings.scatter_m_s * settings.prior.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+    greatest = settings.scatter_m_s * settings.prior.plausible_factor
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.requirement_m_s is not None:
         low = high = settings.requirement_m_s
@@ -402,10 +389,6 @@ class Firings:
         low, high = self.intervals(settings.confidence).T
         return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
-    def keep(self, kept: Bools) -> None:
-        """Keep some of the firings, given a mask, (n,), and drop the others."""
-        self.weights = self.weights[kept]
-
 
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
@@ -425,7 +408,7 @@ def fire(
         active = active[continues]
         if len(active) < least:
             break
-        firings.keep(continues)
+        firings.weights = firings.weights[continues]
         velocities = firings.aims()
         firings.add(velocities, dice.normal(v50_m_s[active], scatter_m_s[active]) < velocities)
     return shots, ended
@@ -488,16 +471,10 @@ def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ..
     )
 
 
-class Rule(NamedTuple):
-    """Functions of the shots so far: the next velocity, and why the firing has ended, "" if it has not."""
-
-    aim: Callable[[Shots, ShotSettings], Aim]
-    ended: Callable[[Shots, ShotSettings], str]
-
-
-PROCEDURES: Mapping[str, Rule] = {
-    "bayesian": Rule(next_bayesian, stopped_bayesian),
-    "neyer": Rule(next_by_neyer, stopped),
-    "langlie": Rule(next_by_langlie, stopped),
-    "up-and-down": Rule(next_up_and_down, stopped_up_and_down),
+# For each procedure, functions of the shots so far: the next velocity, and why the firing has ended, "" if it has not.
+PROCEDURES: Mapping[str, tuple[Callable[[Shots, ShotSettings], Aim], Callable[[Shots, ShotSettings], str]]] = {
+    "bayesian": (next_bayesian, stopped_bayesian),
+    "neyer": (next_by_neyer, stopped),
+    "langlie": (next_by_langlie, stopped),
+    "up-and-down": (next_up_and_down, stopped_up_and_down),
 }

@@ -17,8 +17,6 @@ from armour.files import reason
 from armour.statistics.v50 import SHOTS, TARGET, is_of_shots
 
 HEADER = ("shot", "velocity_m_s", "result")
-# Most digits of a name that counts as the number of a shot.
-MOST_DIGITS = 15
 
 
 @contextmanager
@@ -131,5 +129,5 @@ def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
 
 def next_name(names: Sequence[str], count: int) -> str:
     """Return the name of the next shot: the greatest number among the names, or else the number of shots, plus 1."""
-    numbers = (int(name) for name in names if name.isdecimal() and len(name) <= MOST_DIGITS)
+    numbers = (int(name) for name in names if name.isdecimal() and len(name) <= 15)
     return str(max(numbers, default=count) + 1)

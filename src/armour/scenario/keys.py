@@ -23,8 +23,6 @@ MAX_KEY = 5000
 LISTED = "; a list is given whole, such as threat=[{...}]"
 # Keys, and indices of lists.
 KeyPath = tuple[str | int, ...]
-# Greatest number of lines of a statement in a file whose lines are told.
-MAX_LINES = 500
 
 
 class Whole(dict[str, Any]):
@@ -179,7 +177,7 @@ def _statements(text: str) -> Iterator[tuple[int, str, dict[str, Any]]]:
         try:
             yield first, statement, tomllib.loads(statement)
         except tomllib.TOMLDecodeError:
-            if number - first < MAX_LINES:
+            if number - first < 500:  # lines
                 continue
             return
         first, statement = number + 1, ""

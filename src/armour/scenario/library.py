@@ -23,7 +23,6 @@ from armour.scenario.keys import describe, key_name, plain_name, with_plain_keys
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, NumberOrText, Section, every_problem
 from armour.units import GPA, MPA
 
-Status = Literal["measured", "nominal", "fitted", "assumed"]
 Number = TypeVar("Number", bound=float)
 
 
@@ -44,7 +43,7 @@ class Value(Section, Generic[Number]):
 
     value: Number
     """The number, in the unit of the key."""
-    status: Status = "assumed"
+    status: Literal["measured", "nominal", "fitted", "assumed"] = "assumed"
     """How the number is known: "measured", "nominal" (as a table or a standard lists it), "fitted" or "assumed"."""
     source: str = ""
     """Source of the number."""
@@ -222,6 +221,17 @@ def least_scatter(percent: float) -> str:
     )
 
 
+def _of_no_firing(percent: float) -> float:
+    """Refuse a scatter of shots that needs own firings."""
+    if percent < LEAST_SCATTER_PERCENT:
+        raise ValueError(least_scatter(percent))
+    return percent
+
+
+# A scatter that is given without own firings.
+AssumedScatter = Annotated[ScatterPercent, AfterValidator(_of_no_firing)]
+
+
 def check_scatter(percent: float | None, source: str) -> None:
     """Refuse a scatter of shots without its source, and a source without it."""
     if (percent is None) != (not source):
@@ -294,17 +304,10 @@ class Metal(Layer):
 KINDS: dict[Kind, type[Entry]] = {"projectile": Projectile, "ceramic": Ceramic, "metal": Metal}
 # Keys of the values of each kind.
 VALUE_KEYS = {kind: [key for key in KINDS[kind].model_fields if key not in Entry.model_fields] for kind in KINDS}
-# Files of the shipped library.
-FILES = ("ceramics", "metals", "projectiles", "tested_plates")
 # Keys that the model does not use: data of the whole projectile, and properties for the formulas of `armour compare`.
 UNUSED = ("caliber_mm", "projectile_mass_g", "ultimate_tensile_strength_MPa", "strain_to_fracture")
 # Coefficients of the law of a ceramic's flow stress, see `armour.core.equations.intact_strength`; 0 if absent.
-FLOW_STRESS_LAW = (
-    "flow_stress_backing_exponent",
-    "flow_stress_product_exponent",
-    "flow_stress_ceramic_slope",
-    "flow_stress_backing_slope",
-)
+FLOW_STRESS_LAW = tuple(key for key in Ceramic.model_fields if key.endswith(("_exponent", "_slope")))
 STATIC, DYNAMIC = "static_yield_strength_MPa", "dynamic_yield_strength_MPa"
 FLOW_STRESS_KEY = "flow_stress_GPa"
 # Keys that an entry may lack.
@@ -325,8 +328,6 @@ NO_METAL = re.compile(
 )
 NOT_MODELLED = "laminates and rubber fail by delamination and tension, which is not modelled"
 PAGE = "docs/howto/confidence.md"
-# Most entries with similar names that a message lists.
-MOST_ALIKE = 12
 # Range of the ratio of length to diameter of a penetrator; outside it, the mass most likely has a wrong unit.
 SLENDERNESS = (0.1, 100.0)
 
@@ -409,6 +410,14 @@ class LibraryEntry:
         listed_GPa = self.flow_stress_sources_GPa
         return len(listed_GPa) if listed_GPa and listed_GPa[0] <= self[FLOW_STRESS_KEY] <= listed_GPa[-1] else 1
 
+    def inputs_as(self, role: str) -> dict[str, float]:
+        """Return the values of the inputs that the entry gives in a role, by name."""
+        return {
+            name: self[key]
+            for key in self.values
+            if (name := f"{role}.{key}") in INPUTS and (name != YIELD or self.derived - {key})
+        }
+
     def content(self) -> dict[str, Any]:
         """Return the content that results depend on, as plain data: numbers, the evidence, and the other names."""
         return {
@@ -430,15 +439,6 @@ class LibraryEntry:
         return entry | {key: value for key, value in optional.items() if value}
 
 
-def inputs_of_entry(role: str, entry: LibraryEntry) -> dict[str, float]:
-    """Return the values of the inputs that an entry of the library gives in a role, by name."""
-    return {
-        name: entry[key]
-        for key in entry.values
-        if (name := f"{role}.{key}") in INPUTS and (name != YIELD or entry.derived - {key})
-    }
-
-
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
     """Return a hint for a name that is not in the library: similar entries, or the closest one of `names`.
 
@@ -457,7 +457,7 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     if NO_METAL.search(name) and not named:
         return f"; it is neither metal nor ceramic: {NOT_MODELLED}, see {PAGE}"
     for found in (named, alike(re.split("[ -]", name)[0], 0), alike(name, 1)):
-        if 0 < len(found) <= MOST_ALIKE:
+        if 0 < len(found) <= 12:  # more are no help
             return CHOOSE + ", ".join(found)
     return suggestion(name, [*islice(names, MAX_WORDS + 1)]) or "; armour library lists them"
 
@@ -666,11 +666,11 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     is_shown = entry.evidence is not None and entry.evidence.shows_scatter()
     if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not is_shown:
         return {SCATTER_KEYS[0]: least_scatter(entry.scatter_percent)}
-    if entry.kind != "projectile" or is_slender(inputs_of_entry("projectile", entry)):
+    if entry.kind != "projectile" or is_slender(rod := entry.inputs_as("projectile")):
         return {}
     message = (
         f"must make a rod {SLENDERNESS[0]:g} to {SLENDERNESS[1]:g} diameters long with the diameter and density given, "
-        f"found {slenderness(inputs_of_entry('projectile', entry)):.3g} diameters; is it in g?"
+        f"found {slenderness(rod):.3g} diameters; is it in g?"
     )
     return {"penetrator_mass_g": message}
 
@@ -702,7 +702,7 @@ def read_library(path: str | PathLike[str], onto: Library) -> Library:
 def shipped_library() -> Library:
     """Return the library that is shipped with the package."""
     library = Library()
-    for name in FILES:
+    for name in ("ceramics", "metals", "projectiles", "tested_plates"):
         library = library.extended(read_toml(shipped("configs") / f"{name}.toml"), file="")
     return library
 

@@ -18,43 +18,10 @@ from pydantic import PrivateAttr, ValidationError
 from armour.core.state import Parameters
 from armour.errors import InputError, Note, Problem, choices, joined, mistake, refuse, restated, suggestion
 from armour.files import located, named, read_toml, shipped_files, write_file
-from armour.scenario import schema
+from armour.scenario import keys, schema
 from armour.scenario.checked import checked
-from armour.scenario.inputs import (
-    BACKING,
-    CERAMIC,
-    INPUTS,
-    NAMES,
-    OBLIQUITY,
-    ROD,
-    ROLES,
-    VELOCITY,
-    Kind,
-    cosine_of,
-    fields_of,
-)
-from armour.scenario.keys import (
-    Parts,
-    Whole,
-    changed,
-    key_name,
-    leaves,
-    parts_of,
-    plain_name,
-    values_by_key,
-    with_plain_keys,
-    without_none,
-)
-from armour.scenario.library import (
-    KINDS,
-    THREAT_KEYS,
-    Library,
-    LibraryEntry,
-    inputs_of_entry,
-    is_slender,
-    read_library,
-    shipped_library,
-)
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, ROD, ROLES, VELOCITY, Kind, fields_of
+from armour.scenario.library import KINDS, THREAT_KEYS, Library, LibraryEntry, is_slender, read_library, shipped_library
 from armour.scenario.sections import NOT_TINY, NUMBER, TINY, Items, Section, every_problem, model_in
 from armour.units import MM, key_hint
 
@@ -135,7 +102,7 @@ class Scenario(Section):
         """Return a copy, with the sections in `update` in place of its own; it is validated as by `replaced`."""
         if update is None:
             return super().model_copy(deep=deep)
-        whole = {key: Whole(value) if isinstance(value, Mapping) else value for key, value in update.items()}
+        whole = {key: keys.Whole(value) if isinstance(value, Mapping) else value for key, value in update.items()}
         return self.replaced(whole)
 
     def copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":  # type: ignore[override]
@@ -190,9 +157,8 @@ class Scenario(Section):
             if definition.kind is None and (name != CERAMIC or self.armour.ceramic is not None)
         }
         for role in ROLES:
-            entry = self.entry_of(role)
-            if entry is not None:
-                values |= inputs_of_entry(role, entry)
+            if entry := self.entry_of(role):
+                values |= entry.inputs_as(role)
         return values
 
     def check_names(self, names: Iterable[str], file: str, key: str = "") -> None:
@@ -212,11 +178,11 @@ class Scenario(Section):
     def with_inputs(self, values: Mapping[str, float]) -> "Scenario":
         """Return the scenario with other values of inputs, validated again."""
         self.check_names(values, self.file)
-        names = {key_name(self.parts_of_input(name)): name for name in values}
+        names = {keys.key_name(self.parts_of_input(name)): name for name in values}
         with restated(lambda problem: problem._replace(key=names.get(problem.key, problem.key))):
             return self.replaced({key: values[name] for key, name in names.items()})
 
-    def parts_of_input(self, name: str) -> Parts:
+    def parts_of_input(self, name: str) -> keys.Parts:
         """Return the parts of the key that holds an input; an input of a role is held by its entry of the library."""
         section, key = name.split(".")
         entry = self.entry_of(section) if section in ROLES else None
@@ -228,7 +194,7 @@ class Scenario(Section):
 
     @cached_property
     def _parameters(self) -> Parameters:
-        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.cosine())
+        fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.impact.cosine)
         return Parameters(**(fields | self.model.laws()))
 
     def inert(self, key: str) -> float:
@@ -285,7 +251,7 @@ class Scenario(Section):
 
     def cosine(self) -> float:
         """Return the cosine of the obliquity."""
-        return cosine_of(self.impact.obliquity_deg)
+        return self.impact.cosine
 
     def armour_words(self) -> str:
         """Return thicknesses and names of the layers, such as "6.35 mm AD85 on 6.35 mm 6061-T6"."""
@@ -332,17 +298,18 @@ class Scenario(Section):
 
         These are settings of the model and its error, and own entries of the library, with their own tests.
         """
-        usual, parts = schema.DesignSection(), dict[str, Any]()
-        for key, section, default in (("model", self.model, schema.Model()), ("uncertainty", self.uncertainty, None)):
-            if section != default:
-                parts[key] = section and section.model_dump(mode="json")
-        as_at_normal = (self.design or usual).angles_as_at_normal_incidence
-        parts |= {"design.angles_as_at_normal_incidence": True} if as_at_normal else {}
-        scatter = (self.design or usual).scatter_percent
-        parts |= {} if scatter is None else {"design.scatter_percent": scatter}
+        design, parts = self.design or schema.DesignSection(), dict[str, Any]()
+        if self.model != schema.Model():
+            parts["model"] = self.model.model_dump(mode="json")
+        if self.uncertainty is not None:
+            parts["uncertainty"] = self.uncertainty.model_dump(mode="json")
+        if design.angles_as_at_normal_incidence:
+            parts["design.angles_as_at_normal_incidence"] = True
+        if design.scatter_percent is not None:
+            parts["design.scatter_percent"] = design.scatter_percent
         for kind, name in self.named_entries():
             if (entry := self.entry(kind, name)).file:
-                parts[key_name(("library", kind, entry.name))] = entry.content()
+                parts[keys.key_name(("library", kind, entry.name))] = entry.content()
         return {key: sha256(json.dumps(part, sort_keys=True).encode()).hexdigest() for key, part in parts.items()}
 
     def __eq__(self, other: object) -> bool:
@@ -431,8 +398,7 @@ class Scenario(Section):
 
     def excludes_error(self) -> bool:
         """Return whether the scenario excludes the model error."""
-        section = None if self.uncertainty is None else self.uncertainty.model
-        return section is not None and not section.included
+        return bool(self.uncertainty and self.uncertainty.model and not self.uncertainty.model.included)
 
     def required_probabilities(self) -> tuple[float | None, ...]:
         """Return the probability of stopping each threat that is required; None where none is."""
@@ -596,7 +562,7 @@ def _parsed(source: _Source) -> Scenario:
         raise InputError(list(dict.fromkeys((*problems, *own)))) from None
     looks: set[str] = set()
     for i, threat in enumerate(scenario.threat):
-        if (look := plain_name(threat.title)) in looks:
+        if (look := keys.plain_name(threat.title)) in looks:
             message = f'must be different for each threat, found "{threat.title}" twice'
             problems.append(Problem(source.file, f"threat[{i}].name", message))
         looks.add(look)
@@ -606,7 +572,7 @@ def _parsed(source: _Source) -> Scenario:
         problems.append(Problem(source.file, "solver.arrest_velocity_m_s", message))
     refuse(problems)
     scenario._entries = library
-    scenario._source = source._replace(data=without_none(source.data))
+    scenario._source = source._replace(data=keys.without_none(source.data))
     return scenario
 
 
@@ -616,21 +582,21 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
     Inputs are set last, so that they take precedence over keys of the library.  Changed numbers of the section
     ``library`` lose the source of the earlier number.
     """
-    data, inputs = with_plain_keys(data, file), dict[str, Any]()
-    for group in (with_plain_keys(group, file) for group in changes if group):
+    data, inputs = keys.with_plain_keys(data, file), dict[str, Any]()
+    for group in (keys.with_plain_keys(group, file) for group in changes if group):
         by_role = {key: value for key, value in group.items() if _names_a_role(str(key))}
         by_key = {key: value for key, value in group.items() if key not in by_role}
-        source, data = _Source(dict(data), file, folder), changed(data, by_key, file)
-        inputs |= {key_name(leaf): value for leaf, value in leaves(changed({}, by_role, file))}
-        values = values_by_key(by_key)
+        source, data = _Source(dict(data), file, folder), keys.changed(data, by_key, file)
+        inputs |= {keys.key_name(leaf): value for leaf, value in keys.leaves(keys.changed({}, by_role, file))}
+        values = keys.values_by_key(by_key)
         data = _with_new_threat(data, values)
-        data = changed(data, _bases(data, source, by_key) | _without_sources(values), file)
+        data = keys.changed(data, _bases(data, source, by_key) | _without_sources(values), file)
     scenario = _parsed(_Source(dict(data), file, folder))
     with restated(lambda problem: problem._replace(file=file)):
         return scenario.with_inputs(inputs) if inputs else scenario
 
 
-def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> dict[str, Any]:
+def _with_new_threat(data: dict[str, Any], values: Mapping[keys.Parts, object]) -> dict[str, Any]:
     """Return data without the impact's values of an earlier threat, if the changed `values` name another threat."""
     if values.get(("impact", "threat")) is None:
         return data
@@ -638,10 +604,10 @@ def _with_new_threat(data: dict[str, Any], values: Mapping[Parts, object]) -> di
     return {**data, "impact": {key: value for key, value in _table(data, "impact").items() if key not in earlier}}
 
 
-def _without_sources(values: Mapping[Parts, object]) -> dict[str, object]:
+def _without_sources(values: Mapping[keys.Parts, object]) -> dict[str, object]:
     """Return, by key, each number of a library entry that changes alone, without the source of the earlier number."""
     return {
-        key_name(key[:4]): Whole({NUMBER: value})
+        keys.key_name(key[:4]): keys.Whole({NUMBER: value})
         for key, value in values.items()
         if key[0] == "library" and key[4:] == (NUMBER,) and (*key[:4], "source") not in values
     }
@@ -653,20 +619,20 @@ def _names_a_role(key: str) -> bool:
     return section not in Scenario.model_fields and bool(suggestion(section, list(ROLES)))
 
 
-def _bases(data: Mapping[str, Any], source: _Source, keys: Iterable[str]) -> dict[str, object]:
-    """Return the bases, by key, of entries of which `keys` set single values and which the source does not have.
+def _bases(data: Mapping[str, Any], source: _Source, changed: Iterable[str]) -> dict[str, object]:
+    """Return the bases, by key, of entries that the source does not have and of which `changed` sets single values.
 
     Such an entry is based on the entry of its name in the library, unless the data name another base.
     """
     bases: dict[str, object] = {}
-    for section, *entry in map(parts_of, keys):
+    for section, *entry in map(keys.parts_of, changed):
         if section == "library" and len(entry) > 2:
             kind, name, *_ = entry
             is_new = name not in _table(source.data, "library", kind)
             if is_new and "based_on" not in _table(data, "library", kind, name):
                 library, _, _ = _library_of(source)
                 if name in library.entries.get(kind, ()):  # type: ignore[call-overload]
-                    bases[key_name(["library", kind, name, "based_on"])] = name
+                    bases[keys.key_name(["library", kind, name, "based_on"])] = name
     return bases
 
 
@@ -711,7 +677,7 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
         try:
             library = read_library(source.folder / file, library) if isinstance(file, str) else library
         except InputError as error:
-            key = key_name(["library", "files", index])
+            key = keys.key_name(["library", "files", index])
             for problem in error.problems:
                 whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
                 problems.append(problem if problem.key else whole)
@@ -727,9 +693,9 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
     return library, names, problems
 
 
-def _table(data: Mapping[str, Any], *keys: str) -> Mapping[str, Any]:
+def _table(data: Mapping[str, Any], *parts: str) -> Mapping[str, Any]:
     """Return a table of data that is not validated yet, by the keys that lead to it; {} if there is none."""
-    for key in keys:
+    for key in parts:
         table = data.get(key)
         data = table if isinstance(table, dict) else {}
     return data

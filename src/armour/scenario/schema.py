@@ -5,33 +5,14 @@ from collections.abc import Sequence
 from math import floor, inf
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    create_model,
-    field_validator,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, create_model, model_validator
 
 from armour.core import equations
 from armour.errors import suggestion
-from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind
+from armour.scenario.inputs import ERROR, INPUTS, THREAT, Kind, cosine_of
 from armour.scenario.keys import plain_name
-from armour.scenario.library import (
-    LEAST_SCATTER_PERCENT,
-    THREAT_KEYS,
-    LibraryTables,
-    ScatterPercent,
-    check_scatter,
-    hint,
-    least_scatter,
-    named_threats,
-)
-from armour.scenario.sections import LIST_TAG, NOT_TINY, RANGE_TAG, Items, Section, above
+from armour.scenario.library import THREAT_KEYS, AssumedScatter, LibraryTables, check_scatter, hint, named_threats
+from armour.scenario.sections import AS_LIST, AS_RANGE, LIST_OR_RANGE, NOT_TINY, Items, Section, above
 from armour.units import MM, US
 
 # Greatest numbers of values on an axis and of designs on a grid; more are most likely a mistake.
@@ -116,6 +97,11 @@ class Impact(Section, json_schema_extra=_with_named):
         return threats[name].values() | data
 
     @property
+    def cosine(self) -> float:
+        """Cosine of the obliquity."""
+        return cosine_of(self.obliquity_deg)
+
+    @property
     def standard(self) -> str:
         """Name of the threat of a standard, with ", changed" if some values differ here; "" if none is named."""
         values = {} if self.threat is None else named_threats()[self.threat].values()
@@ -142,12 +128,19 @@ class InertLayer(Section):
         return "cost_per_m2" in self.model_fields_set
 
 
+def _needs_a_ceramic(thickness: float, info: ValidationInfo) -> float:
+    """Refuse a tile of no ceramic."""
+    if thickness > 0.0 and info.data.get("ceramic", "") is None:
+        raise ValueError(f"must be 0 if no ceramic is named, found {thickness:g}; name one as armour.ceramic")
+    return thickness
+
+
 class ArmourSection(Section):
     """The armour: a metal back plate, with or without a ceramic tile on it, and layers without ballistic effect."""
 
     ceramic: CeramicName | None = None
     """Name of the ceramic; left out for a bare plate."""
-    ceramic_thickness_mm: ThicknessOrNone
+    ceramic_thickness_mm: Annotated[ThicknessOrNone, AfterValidator(_needs_a_ceramic)]
     """Thickness of the ceramic tile, 0 for a bare plate."""
     backing: MetalName
     """Name of the metal of the back plate."""
@@ -155,13 +148,6 @@ class ArmourSection(Section):
     """Thickness of the back plate."""
     layer: Items[InertLayer] = ()
     """Layers without ballistic effect."""
-
-    @field_validator("ceramic_thickness_mm")
-    @classmethod
-    def _thickness(cls, thickness: float, info: ValidationInfo) -> float:
-        if thickness > 0.0 and info.data.get("ceramic", "") is None:
-            raise ValueError(f"must be 0 if no ceramic is named, found {thickness:g}; name one as armour.ceramic")
-        return thickness
 
 
 ShearPerimeter = Literal["conoid", "projectile"]
@@ -318,19 +304,13 @@ def at_angle(impact: Impact) -> str:
     return f", {impact.obliquity_deg:g}° obliquity" if impact.obliquity_deg else ""
 
 
-def _kind_of_range(value: object) -> str:
-    """Return the tag of the form in which thicknesses are given: a list or a range."""
-    return RANGE_TAG if isinstance(value, dict | Range) else LIST_TAG
-
-
 def _listed(value: object) -> object:
     """Return a single thickness as a list; leave anything else as it is."""
     return [value] if isinstance(value, int | float) else value
 
 
 _Thicknesses = Annotated[
-    Annotated[Annotated[list[ThicknessOrNone], Field(min_length=1)], Tag(LIST_TAG)] | Annotated[Range, Tag(RANGE_TAG)],
-    Discriminator(_kind_of_range),
+    Annotated[list[ThicknessOrNone], Field(min_length=1), AS_LIST] | Annotated[Range, AS_RANGE], LIST_OR_RANGE
 ]
 Thicknesses = Annotated[_Thicknesses, BeforeValidator(_listed, json_schema_input_type=ThicknessOrNone | _Thicknesses)]
 
@@ -438,18 +418,11 @@ class DesignSection(Section):
     """Part of the armour that exists already, such as a hull: it counts for the ballistic limit, but not for the limits
     of areal density, thickness and cost, nor for what is minimised."""
 
-    scatter_percent: ScatterPercent | None = None
+    scatter_percent: AssumedScatter | None = None
     """Standard deviation of the velocities that single shots need to perforate, per cent of V50, at least 2.5; an entry
     of the library may give another. By default it is 2.54, which is assumed."""
     scatter_source: str = ""
     """Source of this scatter."""
-
-    @field_validator("scatter_percent")
-    @classmethod
-    def _assumed(cls, percent: float | None) -> float | None:
-        if percent is not None and percent < LEAST_SCATTER_PERCENT:
-            raise ValueError(least_scatter(percent))
-        return percent
 
     @model_validator(mode="after")
     def _of_a_source(self) -> "DesignSection":
@@ -474,12 +447,6 @@ class DesignSection(Section):
 # Wide bounds that keep the arithmetic from overflowing.
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Width = Annotated[float, Field(ge=1e-9, le=1e9)]
-# Greatest number of samples of a scenario.
-MAX_SAMPLES = 2**22
-# Fewer samples give no confidence interval for the 5 % quantile.
-MIN_SAMPLES = 128
-# Standard deviations within which the scenario's own value is near a given mean.
-NEAR_DEVIATIONS = 3.0
 
 
 class Distribution(Section):
@@ -529,10 +496,10 @@ class Distribution(Section):
         return mean, abs(mean) * percent / 100.0 if percent is not None else self.standard_deviation or 0.0
 
     def contains(self, value: float) -> bool:
-        """Return whether the scenario's value lies between min and max and, if a mean is given, near it."""
+        """Return whether the scenario's value lies between min and max, and within 3 deviations of a given mean."""
         low, high = self.ends
         mean, deviation = self.moments(value)
-        return low <= value <= high and abs(value - mean) <= NEAR_DEVIATIONS * deviation
+        return low <= value <= high and abs(value - mean) <= 3.0 * deviation
 
     def mean_problem(self, value: float) -> str:
         """Return why the distribution cannot have its mean, by default the scenario's value; "" if it can."""
@@ -608,10 +575,19 @@ class ModelSection(Section):
         return self.scale_percent is not None and not (self.source and self.degrees_of_freedom)
 
 
+def _power_of_2(samples: int) -> int:
+    """Refuse a number of samples that is no power of 2."""
+    if samples & (samples - 1):
+        near = 2 ** samples.bit_length()
+        raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
+    return samples
+
+
 class Uncertainty(Section):
     """Distributions of the uncertain inputs, their correlations, the model error and the sampling."""
 
-    samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] = 4096
+    # Fewer samples give no confidence interval for the 5 % quantile.
+    samples: Annotated[int, Field(ge=128, le=2**22), AfterValidator(_power_of_2)] = 4096
     """Number of samples, which are scrambled Sobol' points: a power of 2."""
     seed: Annotated[int, Field(ge=0)] = 1
     """Seed of the random numbers."""
@@ -643,14 +619,6 @@ class Uncertainty(Section):
         slots = {name: getattr(getattr(self, entry.section), entry.key) for name, entry in INPUTS.items()}
         distributions = {name: distribution for name, distribution in slots.items() if distribution is not None}
         return {**distributions, ERROR: UNIFORM_CHANCES} if self._error else distributions
-
-    @field_validator("samples")
-    @classmethod
-    def _power_of_2(cls, samples: int) -> int:
-        if samples & (samples - 1):
-            near = 2 ** samples.bit_length()
-            raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
-        return samples
 
     @model_validator(mode="after")
     def _consistent(self) -> "Uncertainty":

@@ -30,6 +30,9 @@ NumberOrText = Annotated[
 ]
 
 
+AS_LIST, AS_RANGE = Tag(LIST_TAG), Tag(RANGE_TAG)
+LIST_OR_RANGE = Discriminator(lambda value: RANGE_TAG if isinstance(value, dict | Section) else LIST_TAG)
+
 SectionT = TypeVar("SectionT", bound="Section")
 Item = TypeVar("Item")
 # A list of a file, which becomes a tuple.

@@ -22,16 +22,7 @@ from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW, MOST_TESTS
 from armour.scenario.scenario import Scenario
-from armour.statistics.likelihood import (
-    MIN_P_VALUE,
-    Coefficient,
-    InputFit,
-    Likelihood,
-    fit_inputs,
-    intervals,
-    likelihood_of,
-    without,
-)
+from armour.statistics.likelihood import Coefficient, InputFit, Likelihood, fit_inputs, likelihood_of, without
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import nothing_of_error, own_tests, repeated, role_of, unused
 
@@ -80,8 +71,6 @@ ASSUMED = (
     "the intervals depend on it"
 )
 ONE_SIDED = "all shots have the same outcome: if shots with the other one were left out, the fitted limits are wrong"
-# Number of random permutations of the deviations in a permutation test.
-PERMUTATIONS = 4999
 # Formats of dates, of which a column has one: the day goes before the month where both are possible.
 DATE_FORMATS = ("%Y-%m-%d", "%Y-%m-%d %H:%M:%S", "%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d/%m/%y", "%m/%d/%y")
 # A computed value may miss a bound by this much, half of the last digit shown, and still meet it.
@@ -327,7 +316,7 @@ def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
         tests=tests.file,
         law=(law or law_of(tests.groups[0].scenario)) if FLOW_STRESS in likelihood.names else "",
         weights="uncertainties" if tests.weighted else "relative",
-        coefficients=intervals(fit),
+        coefficients=fit.coefficients(),
         correlation=tuple(map(tuple, correlation.tolist())),
         residuals=residuals,
         mean_error_percent=_mean_percent([(r.computed, r.measured) for r in measured_values]),
@@ -428,7 +417,7 @@ def _chance(deviations: Floats, contrasts: Any, counts: Any) -> float:
 
     The measure is the sum of the squares of the `contrasts`, (k, n), over `counts`, (k,).
     """
-    shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (PERMUTATIONS, 1)), axis=1)
+    shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (4999, 1)), axis=1)
     squares = ((np.vstack([deviations, shuffled]) @ contrasts.T) ** 2 / counts).sum(axis=1)
     return float((squares > squares[0] * (1.0 - 1e-9)).mean())
 
@@ -456,7 +445,7 @@ def _line(tests: Tests, place: int) -> str:
 def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
     """Yield warnings of a bad fit, of a scatter that is assumed, and of tests unlike those of the model."""
     tests = fit.likelihood.tests
-    if fit.p_value is not None and fit.p_value < MIN_P_VALUE:
+    if fit.p_value is not None and fit.widened_by != 1.0:
         yield (
             "the deviations are larger than the uncertainties given explain: chi-squared "
             f"{fit.chi_squared:.2f} on {fit.degrees_of_freedom:.3g} degrees of freedom, p = {fit.p_value:.2g}; "

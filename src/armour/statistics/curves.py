@@ -48,8 +48,6 @@ STARTS = np.geomspace(1e-2, 5e3, 97)
 BEYOND, INTERCEPTS = 8.0, 61
 # A search is repeated NARROWINGS times between the neighbours of the likeliest point, each time with NODES points.
 NARROWINGS, NODES = 4, 21
-# Decimals of log-likelihoods beyond which they differ by rounding alone.
-EQUAL = 9
 # Number of velocities at which a band is computed.
 BAND_NODES = 13
 # In the penalty, velocities are clipped to the middle range of the shots, which leaves out one in OUTER at either end,
@@ -342,11 +340,6 @@ class ShotLikelihood:
         deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
         return float(ndtr(copysign(sqrt(deviance), x - (z - self.mode.intercept) / self.mode.slope)))
 
-    def deviances(self, v50_m_s: Floats, scale_m_s: Floats) -> Floats:
-        """Return the deviances of m curves, (m,), given their V50s and scales, m/s, (m,)."""
-        values = self._values(np.column_stack([(self.mean - v50_m_s) / scale_m_s, self.deviation / scale_m_s]))
-        return 2.0 * (self.mode.value - values)
-
     @property
     def flat_deviance(self) -> float:
         """Deviance of a constant probability; the interval of V50 is bounded if its ends have a smaller deviance."""
@@ -373,7 +366,7 @@ class ShotLikelihood:
 
 def _maxima(values: Floats) -> list[int]:
     """Return the indices of the values that no neighbour exceeds; of neighbours that are equal, the first."""
-    values = values.round(EQUAL)
+    values = values.round(9)  # beyond which log-likelihoods differ by rounding alone
     return np.flatnonzero((values > np.append(-inf, values[:-1])) & (values >= np.append(values[1:], -inf))).tolist()
 
 

@@ -27,8 +27,7 @@ from armour.statistics.measured import LIMIT, MASS, RESIDUAL, Tests
 
 # Bounds of a fitted input, in its unit, and greatest absolute value of a coefficient of a law.
 MIN_RATIO, MAX_VALUE_RATIO, MAX_COEFFICIENT = 0.1, 10.0, 3.0
-# Tolerance of ballistic limits, m/s, and change of inputs for the derivatives.
-LIMIT_TOLERANCE_M_S = 1e-9
+# Change of inputs for the derivatives.
 DIFFERENCE = 1e-4
 # Accuracy of the inputs in a fit, and in fits that are compared with it, with an input held or tests left out.
 FIT_TOLERANCE, COMPARED_TOLERANCE = 1e-10, 1e-5
@@ -133,7 +132,7 @@ def _limits(variants: Variants) -> Floats:
     """
     section = variants.scenario.ballistic_limit
     ends = section.velocity_min_m_s, section.velocity_max_m_s
-    return ballistic_limits(variants, tolerance=LIMIT_TOLERANCE_M_S, points=SCAN_POINTS).clip(*ends)
+    return ballistic_limits(variants, tolerance=1e-9, points=SCAN_POINTS).clip(*ends)
 
 
 def _residual_velocities(variants: Variants) -> Floats:
@@ -187,6 +186,10 @@ class InputFit(Precision):
     residuals: Floats  # (m,)
     starts: int
     starts_agreeing: int
+
+    def coefficients(self) -> tuple[Coefficient, ...]:
+        """Return the inputs with their profile-likelihood intervals, or why the tests do not identify them."""
+        return tuple(_coefficient(self, index) for index in range(len(self.likelihood.names)))
 
 
 def fit_inputs(likelihood: Likelihood) -> InputFit:
@@ -293,9 +296,8 @@ def _losses(z: Floats, sides: Floats) -> Floats:
     return np.where(sides == 0, z, np.sqrt(-2.0 * log_ndtr(sides * z)))
 
 
-# Probability below the upper end of an interval, and the deviance at its ends if standard deviations are known.
+# Probability below the upper end of an interval.
 UPPER = 0.5 * (1.0 + CONFIDENCE)
-NORMAL_THRESHOLD = float(ndtri(UPPER)) ** 2
 
 
 def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precision:
@@ -310,7 +312,7 @@ def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precisi
     freedom = round(freedom, 9) + 0.0  # outcomes alone leave none, but for rounding
     chi_squared = float((residuals[exact] ** 2).sum())
     p_value = float(chdtrc(freedom, chi_squared)) if freedom > 0.5 else None
-    widened_by, threshold = 1.0, NORMAL_THRESHOLD
+    widened_by, threshold = 1.0, float(ndtri(UPPER)) ** 2
     if p_value is not None and p_value < MIN_P_VALUE:
         widened_by = sqrt(chi_squared / freedom)
         threshold = (widened_by * float(stdtrit(freedom, UPPER))) ** 2
@@ -371,11 +373,6 @@ def _rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats,
 def _hazard(z: Floats) -> Floats:
     """Return the density of the normal distribution divided by its distribution function at `z`."""
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
-
-
-def intervals(fit: InputFit) -> tuple[Coefficient, ...]:
-    """Return the coefficients with their profile-likelihood intervals, or why the tests do not identify them."""
-    return tuple(_coefficient(fit, index) for index in range(len(fit.likelihood.names)))
 
 
 def _coefficient(fit: InputFit, index: int) -> Coefficient:
@@ -442,8 +439,7 @@ def _check_fittable(tests: Tests, inputs: Sequence[str]) -> None:
     for role, key in NAMES.items():
         names = {group.scenario.name_of(role) for group in tests.groups}
         if len(names) > 1 and any(name.startswith(role + ".") for name in inputs):
-            message = (
-                f"must be the same in all tests if the {role} is fitted, found {', '.join(sorted(map(str, names)))}"
-            )
+            found = ", ".join(sorted(map(str, names)))
+            message = f"must be the same in all tests if the {role} is fitted, found {found}"
             problems.append(Problem(tests.file, key, message))
     refuse(problems)

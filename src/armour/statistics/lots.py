@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import exp, inf, log, sqrt
-from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -77,9 +76,8 @@ class TwoLots:
         def loss(free: Floats) -> float:
             return self._loss(point(free))
 
-        options: Any = {"gtol": 1e-4}
         free = start if difference is None else start[[0, 2]]
-        return point(minimize(loss, free, method="BFGS", options=options).x)
+        return point(minimize(loss, free, method="BFGS", options={"gtol": 1e-4}).x)
 
     def end(self, direction: float, root: float) -> float | None:
         """Return the end of the interval of the difference, m/s, above (1) or below (-1) it; None without an end.

@@ -8,20 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from armour import csv_files
 from armour.analysis.results import by_column, data_frame
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
 from armour.columns import column_of, perforates, unit_of
-from armour.csv_files import (
-    CsvRow,
-    Source,
-    TableKind,
-    TableRead,
-    not_filled,
-    open_table,
-    read_rows,
-    targets_of,
-    wrong_result,
-)
+from armour.csv_files import CsvRow, Source, TableRead
 from armour.errors import InputError, counted, joined
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import CERAMIC, INPUTS, NAMES, VELOCITY
@@ -124,10 +115,7 @@ class Tests:
 def with_scatter(tests: Tests, scatter: float) -> Tests:
     """Return the tests with an uncertainty of `scatter` times the value for each measurement."""
     measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
-    cells = [dict(cell) for cell in tests.cells]
-    for m in measurements:
-        cells[m.test][MEASURED[m.quantity]] = scatter * m.value
-    return replace(tests, measurements=measurements, weighted=True, cells=tuple(cells))
+    return replace(tests, measurements=measurements, weighted=True)
 
 
 def subject_of(tests: Tests) -> str:
@@ -210,8 +198,8 @@ def read_open_tests(
     If the table is not ``closed``, columns that are not read may divide the tests.
     """
     source, bounds = _without_bounds(source)
-    kind = TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL)
-    table = read_rows(source, kind, where, ignore=ignore, closed=closed)
+    kind = csv_files.TableKind("test", NUMBERS, (*TEXTS, *notes), usual=USUAL)
+    table = csv_files.read_rows(source, kind, where, ignore=ignore, closed=closed)
     file, rows = source.file, table.rows
     for row in (row for row in rows if row.place in bounds):
         if {VELOCITY, OUTCOME} & row.texts.keys():
@@ -227,7 +215,7 @@ def read_open_tests(
     for name in dict.fromkeys(name for row in rows for name in row.texts if name in inputs):
         has_value = bare if "ceramic" in name else set()
         blank = [row.place for row in rows if name not in row.texts]
-        source.problems += not_filled(file, name, [place for place in blank if place not in has_value])
+        source.problems += csv_files.not_filled(file, name, [place for place in blank if place not in has_value])
     for row in rows:
         for key, message in _mistakes(row, repeated_names):
             source.wrong(f"{row.place}: {key}" if key else row.place, message)
@@ -240,7 +228,7 @@ def read_open_tests(
     are_shots = all(LIMIT not in row.texts and OUTCOME in row.texts for row in rows)
     for name, values in table.groups.items() if closed else ():
         is_lot = column_of(name, ("lot",)).known
-        if len({*values}) > 1 and (is_lot or (are_shots and targets_of(source, table, name, results))):
+        if len({*values}) > 1 and (is_lot or (are_shots and csv_files.targets_of(source, table, name, results))):
             source.divided(name, values, "test")
     source.refuse()
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
@@ -262,7 +250,7 @@ def _unread(ignored: Sequence[str]) -> Iterator[str]:
 
 def open_tests(path: Table, notes: Sequence[str] = (), sheet: str | None = None) -> Source:
     """Open a table of tests with further columns, `notes`."""
-    return open_table(path, lambda name: column_of(name, (*NUMBERS, *TEXTS, *notes)).known, sheet)
+    return csv_files.open_table(path, lambda name: column_of(name, (*NUMBERS, *TEXTS, *notes)).known, sheet)
 
 
 def _without_bounds(source: Source) -> tuple[Source, dict[str, str]]:
@@ -302,11 +290,6 @@ def _bare_plates(rows: Sequence[CsvRow]) -> set[str]:
     return places
 
 
-def series_of(tests: Tests, test: int) -> tuple[str, ...]:
-    """Return the laboratory and the series of a test, in the order of their columns; empty texts where not named."""
-    return tuple(str(tests.cells[test].get(name, "")) for name in SERIES_COLUMNS)
-
-
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
     """Return the mistakes in a row as pairs of column and message; `repeated_names` are names of several tests."""
     mistakes = []
@@ -317,7 +300,7 @@ def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, st
     if outcome is None and not any(column in row.texts for column in MEASURED):
         mistakes.append(("", f"must have one of {', '.join((*MEASURED, OUTCOME))}; leave out a test that was not made"))
     if outcome is not None and is_perforated is None:
-        mistakes.append((OUTCOME, wrong_result(outcome)))
+        mistakes.append((OUTCOME, csv_files.wrong_result(outcome)))
     if is_perforated is False and RESIDUAL in row.texts:
         mistakes.append((OUTCOME, f"must not be {outcome} if there is a residual velocity"))
     limit, velocity = row.numbers.get(LIMIT), row.numbers.get(VELOCITY)

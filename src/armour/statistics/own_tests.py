@@ -17,11 +17,11 @@ from armour.evidence.fit import law_parameters, shipped_data
 from armour.evidence.model_error import other_settings
 from armour.evidence.tests import armours_of, is_outside, tests_of_tiles
 from armour.scenario import library
-from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, cosine_of
+from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, ROD, cosine_of
 from armour.scenario.library import LawTests, LibraryEntry, OwnTests
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import FASTEST_M_S, SLOWEST_M_S
-from armour.statistics.measured import LIMIT, Measurement, Tests, series_of
+from armour.statistics.measured import LIMIT, SERIES_COLUMNS, Measurement, Tests
 
 # Relative standard deviation of the velocity at which shots perforate an armour, if none is given.
 SHOT_SCATTER = 0.02
@@ -33,8 +33,7 @@ UNTESTED_DEVIATION = 0.40
 FACTOR, STEPS, STEP, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
 NOTHING_OF_ERROR = "the tests that it was calibrated to do not determine the model error"
 # What identifies a test: layers, angle, penetrator and measured limit.
-PENETRATOR = ("projectile.penetrator_diameter_mm", "projectile.penetrator_mass_g")
-IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *PENETRATOR, "ballistic_limit_m_s")
+IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *ROD[:2], LIMIT)
 # What can be calibrated to own tests, by role: keys of the entry, and the quantities of an armour that follow.
 FITTED_KEYS = {
     "ceramic": ("flow_stress_GPa", *library.FLOW_STRESS_LAW),
@@ -150,13 +149,9 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], used: Sequence[int]) ->
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
     q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
-    series = [series_of(tests, shot.test) for shot in shots]
-    stored_keys = (
-        *library.VARIED,
-        *library.IN_COMMON,
-        *library.TEST_RESULTS,
-        *[library.SERIES_KEY] * (len({*series}) > 1),
-    )
+    series = [tuple(str(tests.cells[shot.test].get(name, "")) for name in SERIES_COLUMNS) for shot in shots]
+    stored_keys = [*library.VARIED, *library.IN_COMMON, *library.TEST_RESULTS]
+    stored_keys += [library.SERIES_KEY] * (len({*series}) > 1)
     q[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
         source=f"{counted(len({shot.test for shot in shots}), 'test')} of {Path(tests.file).name}",
@@ -192,9 +187,8 @@ def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) 
     logarithm of a ratio: limits by the entry's own flow stress, which is uncertain, over limits by the fitted one.
     """
     shipped = tests_of_tiles()
-    has_tests = (
-        entry.origin == shipped.ceramic and not is_outside(shipped.kind[:2], variants.armours.quantities()).any()
-    )
+    is_outside_any = is_outside(shipped.kind[:2], variants.armours.quantities()).any()
+    has_tests = entry.origin == shipped.ceramic and not is_outside_any
     laws = {fit.name: shipped_data()["fit"][fit.name]["flow_stress"] for fit in shipped.fits}
     ratio = 1.0 if has_tests else entry["flow_stress_GPa"] / laws["constant"]["flow_stress_GPa"]
     by_law = []

@@ -8,7 +8,7 @@ the scatter to V50 has a log-normal prior, independent of V50.  Integrals are su
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import log
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,6 +68,11 @@ class FiringPrior(NamedTuple):
     scatter_percent: float = SCATTER_PERCENT
     scatter_factor: float = SCATTER_FACTOR
 
+    @property
+    def plausible_factor(self) -> float:
+        """Factor by which the scatter exceeds the expected one at most, unless it contradicts the prior."""
+        return self.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
+
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
         """Return the log-density, up to a constant, at V50s, m/s, and logarithms of scatter / V50."""
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
@@ -94,12 +99,6 @@ class V50Grid(NamedTuple):
     v50_m_s: Floats  # (points,)
     scatter_m_s: Floats  # (points,)
     shape: tuple[int, int]  # nodes of V50 and of the scatter
-
-    @classmethod
-    def over(cls, v50_m_s: Floats, log_ratio: Floats) -> Self:
-        """Return the grid of all pairs of V50s, m/s, and logarithms of scatter / V50."""
-        scatter = np.outer(v50_m_s, np.exp(log_ratio)).ravel()
-        return cls(np.repeat(v50_m_s, len(log_ratio)), scatter, (len(v50_m_s), len(log_ratio)))
 
     def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
         """Return the log-likelihood of shots by each point, (points,); `complete` is true for complete penetrations."""
@@ -141,12 +140,8 @@ class Posterior(NamedTuple):
         logs = np.log(self.grid.scatter_m_s)
         step = logs[1] - logs[0]
         log_scatters = np.linspace(logs.min() - 0.5 * step, logs.max() + 0.5 * step, 2 * self.grid.shape[1])
-        below = np.array(
-            [
-                expected(np.clip(0.5 + (log_scatter - logs) / step, 0.0, 1.0), self.weights)
-                for log_scatter in log_scatters
-            ]
-        )
+        shares = np.clip(0.5 + (log_scatters[:, None] - logs) / step, 0.0, 1.0)
+        below = np.array([expected(share, self.weights) for share in shares])
         return np.exp(np.interp(ndtri(probabilities), _normal_quantiles(below), log_scatters)).tolist()
 
     def variance(self, target: Floats) -> float:
@@ -183,7 +178,7 @@ def posterior_of(
     ranges = [(low, high), (middle - reach, middle + reach)]
     for _ in range(GRID_NARROWINGS):
         v50, log_ratio = (np.linspace(*ends, count) for ends, count in zip(ranges, nodes, strict=True))
-        grid = V50Grid.over(v50, log_ratio)
+        grid = V50Grid(np.repeat(v50, nodes[1]), np.outer(v50, np.exp(log_ratio)).ravel(), nodes)
         log_weights = prior.log_density(grid.v50_m_s, np.tile(log_ratio, nodes[0]))
         log_weights += grid.log_likelihood(velocities_m_s, complete)
         kept = (log_weights > log_weights.max() - DEPTH).reshape(nodes)

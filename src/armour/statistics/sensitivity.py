@@ -19,8 +19,6 @@ from armour.statistics.measured import LIMIT, RESIDUAL
 
 # Relative change of an input in either direction.
 CHANGE = 0.005
-# Tolerance of the ballistic limits that are subtracted, m/s.
-DIFFERENCE_TOLERANCE_M_S = 1e-7
 
 
 @dataclass(frozen=True)
@@ -95,8 +93,9 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         for name, value in inputs.items()
     ]
     variants = concatenated([variants_of(scenario, {}, 1), *changed])
-    impacts, limits = QuantityValues(variants), ballistic_limits(variants, tolerance=DIFFERENCE_TOLERANCE_M_S)
-    limits[:1] = ballistic_limits(variants.at(np.arange(1)))  # the scenario's own has the usual tolerance
+    # Limits that are subtracted are computed more accurately than the scenario's own.
+    impacts, limits = QuantityValues(variants), ballistic_limits(variants, tolerance=1e-7)
+    limits[:1] = ballistic_limits(variants.at(np.arange(1)))
     limits[np.isinf(limits)] = np.nan
     on_progress(len(limits), len(limits))
     answers = {LIMIT: limits, RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan)}

@@ -24,8 +24,6 @@ from armour.scenario.schema import Uncertainty
 QUANTILES = (0.05, 0.5, 0.95)
 # Probabilities of the quantiles between which an input is varied alone.
 ENDS = (0.05, 0.95)
-# Points of the curve of the probability of perforation.
-PROBABILITY_POINTS = 121
 # Samples computed at a time, to bound the memory.
 SAMPLES_AT_A_TIME = 2**12
 
@@ -239,7 +237,7 @@ def probability_curve(limits: Floats, greatest: float | None) -> ProbabilityCurv
     """
     lowest, highest = limits.min(), limits.max()
     margin = 0.05 * (highest - lowest) + 1.0
-    velocities = np.linspace(lowest - margin, highest + margin, PROBABILITY_POINTS)
+    velocities = np.linspace(lowest - margin, highest + margin, 121)
     least = 0.0 if greatest is None else 1.0 - greatest
     estimates = [_share(limits <= velocity).at_least(least) for velocity in velocities]
     value, low, high = (tuple(getattr(each, key) for each in estimates) for key in ("value", "low", "high"))

@@ -39,8 +39,6 @@ LOWER_LEVELS = (0.9, 0.8, 0.5)
 FURTHER = 19
 # Greatest value of this range, as a multiple of the median distance of the shots from their median.
 WIDEST = 10.0
-# Number of velocities of a curve with its band.
-BAND_POINTS = 201
 Decision = Literal["met", "not met", "not decided", ""]
 # Range of velocities, m/s; it catches values in a wrong unit.
 MIN_VELOCITY_M_S, MAX_VELOCITY_M_S = 10.0, 1e4
@@ -48,19 +46,10 @@ Velocity = Annotated[float, Field(ge=MIN_VELOCITY_M_S, le=MAX_VELOCITY_M_S)]
 # Column in which `plan shots` keeps what the shots are fired at.
 TARGET = "armour and round"
 SHOTS = csv_files.TableKind(
-    "shot",
-    ("velocity_m_s",),
-    ("shot", "result", TARGET),
-    ("velocity_m_s", "result"),
-    "velocity_m_s, shot, result",
-    (TARGET,),
+    "shot", ("velocity_m_s",), ("shot", "result", TARGET), needed=("velocity_m_s", "result"), exact=(TARGET,)
 )
 SHOT_COLUMNS = (*SHOTS.keys, *YES_MEANS, *GROUPS)
 Fraction = Annotated[float, Field(ge=0.001, le=0.999)]
-# Rounding error of a risk.
-RISK_ROUNDING = 1e-12
-# Factor between a velocity and the median of the shots from which on it is probably a mistake.
-FAR_FACTOR = 2.0
 # With at least this number of possible orders of the results, it is no chance if all complete penetrations are slower
 # than the partial ones.
 SWAPPED = 20
@@ -346,7 +335,7 @@ class FiringResult(TableResult):
             slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
             margin = 0.5 * (fastest - slowest)
             ends = max(slowest - margin, MIN_VELOCITY_M_S), fastest + margin
-            velocities_m_s = np.linspace(*ends, BAND_POINTS)
+            velocities_m_s = np.linspace(*ends, 201)
         velocities = np.ravel(velocities_m_s).tolist()
         if not velocities or not all(0.0 <= velocity <= MAX_VELOCITY_M_S for velocity in velocities):
             message = f"must be velocities of 0 to {MAX_VELOCITY_M_S:g} m/s, found {describe(velocities)}"
@@ -445,8 +434,7 @@ def shots_of(
     source: Source, *, one_kind: bool = False, where: Mapping[str, str] | None = None, ignore: Names = ()
 ) -> Shots:
     """Return the shots of an open table; arguments and errors are those of `read_shots`."""
-    least = 0 if one_kind else 1
-    table = csv_files.read_rows(source, SHOTS, where, least, (*ignore,))
+    table = csv_files.read_rows(source, SHOTS, where, 0 if one_kind else 1, (*ignore,))
     rows = table.rows
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
@@ -579,10 +567,11 @@ def v50(
             message = f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}"
             raise mistake(scenario.file, "uncertainty.model", message)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
-        posterior = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
-        prior_estimate, posterior_estimate, share, contradictions = learned(
-            posterior_of(model_prior, (), ()), posterior, confidence
+        before, after = (
+            posterior_of(model_prior, (), ()),
+            posterior_of(model_prior, shots.velocities_m_s, shots.complete),
         )
+        prior_estimate, posterior_estimate, share, contradictions = learned(before, after, confidence)
     subject = f"V50 of the shots in {Path(shots.file).name}"
     if scenario is not None:
         subject += f": {scenario.subject(ANY_VELOCITY)}"
@@ -678,7 +667,7 @@ def decided(
     if shots is None:
         return "not decided", None, None
     accepting = shots.chance_below(float(curves.INVERSE_CDFS[shots.link](fraction)), requirement_m_s)
-    risk = 1.0 - confidence + RISK_ROUNDING
+    risk = 1.0 - confidence + 1e-12  # for rounding
     decision: Decision = "met" if accepting <= risk else "not met" if 1.0 - accepting <= risk else "not decided"
     return decision, accepting, 1.0 - accepting
 
@@ -695,7 +684,7 @@ def doubts(shots: Shots, model: LimitResult | None) -> Iterator[str]:
     if model is not None and (note := feet_note(middle, model.ballistic_limit_m_s)):
         yield note
     for velocity in shots.velocities_m_s:
-        if not middle / FAR_FACTOR < velocity < middle * FAR_FACTOR:
+        if not 0.5 * middle < velocity < 2.0 * middle:
             yield (
                 f"a shot at {velocity:g} m/s is far from the median of the shots, {middle:.0f} m/s; check its unit and "
                 "its decimal point: one such shot can spoil the estimate"

@@ -166,7 +166,7 @@ def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: c
         found = f'must be a key of numbers, found "{next(filter(None, cells))[:40]}"'
         source.wrong(f"{source.place}: {key}", f"{found}; --keep {shell_line([key])} keeps it as a label, unused")
     else:
-        values, _ = source.numbers(key, column, places, cells, needed=True)
+        values = source.numbers(key, column, places, cells, needed=True)
     return np.array(values)
 
 
