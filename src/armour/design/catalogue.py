@@ -18,15 +18,7 @@ from armour.evidence.tests import Far, Materials, is_untested, lacks_sources, wh
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.library import inputs_of_entry
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import (
-    MAX_DESIGNS,
-    OBJECTIVES,
-    BackingLayer,
-    CeramicLayer,
-    DesignSection,
-    Range,
-    Threat,
-)
+from armour.scenario.schema import MAX_DESIGNS, OBJECTIVES, BackingLayer, CeramicLayer, DesignSection, Range, Threat
 from armour.units import MM
 
 # Keys of [design] that ask for a design; the others apply to any armour.

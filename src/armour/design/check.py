@@ -336,12 +336,7 @@ def check_of(
     wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
         _checked(
-            row,
-            threat,
-            on_progress,
-            sample=bool(distributions) and not misplacements,
-            changes=changes,
-            needed=needed,
+            row, threat, on_progress, sample=bool(distributions) and not misplacements, changes=changes, needed=needed
         )
         for row, threat, misplacements in zip(rows, threats, wrongly_placed, strict=True)
     )

@@ -212,10 +212,7 @@ def armour_in_words(design: Design) -> str:
 
 @checked
 def optimise(
-    scenario: Scenario,
-    *,
-    probability: RequiredProbability | None = None,
-    on_progress: OnProgress = ignore_progress,
+    scenario: Scenario, *, probability: RequiredProbability | None = None, on_progress: OnProgress = ignore_progress
 ) -> DesignResult:
     """Find the best design of a scenario that stops its threats.
 

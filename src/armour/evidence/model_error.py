@@ -14,15 +14,7 @@ from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
 from armour.evidence.fit import is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
-from armour.evidence.tests import (
-    Armours,
-    Evidence,
-    Materials,
-    greatest_probability,
-    is_outside,
-    is_untested,
-    outside,
-)
+from armour.evidence.tests import Armours, Evidence, Materials, greatest_probability, is_outside, is_untested, outside
 from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import SCATTER_KEYS

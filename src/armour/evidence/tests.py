@@ -12,16 +12,7 @@ from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import caveats, is_no_metal
 from armour.evidence.core_digest import changed_equations
-from armour.evidence.fit import (
-    Fit,
-    LotTests,
-    Quantities,
-    fits,
-    law_parameters,
-    quantities,
-    same_rods,
-    shipped_data,
-)
+from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, same_rods, shipped_data
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_KEY,

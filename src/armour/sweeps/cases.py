@@ -200,9 +200,7 @@ def axis_of(text: str) -> Axis:
 
 
 def source_of(
-    over: Mapping[str, object] | None,
-    cases: str | PathLike[str] | Rows | None = None,
-    keep: Sequence[str] = (),
+    over: Mapping[str, object] | None, cases: str | PathLike[str] | Rows | None = None, keep: Sequence[str] = ()
 ) -> Grid | SweepCases:
     """Return the rows of a sweep: a grid, or cases if they are given."""
     if (over is None) == (cases is None):

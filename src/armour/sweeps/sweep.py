@@ -215,11 +215,7 @@ def sweep(
 
 
 def sweep_in_memory(
-    scenario: Scenario,
-    source: Grid | SweepCases,
-    quantities: Sequence[str],
-    threads: int | None,
-    most: int,
+    scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str], threads: int | None, most: int
 ) -> SweepResult:
     """Compute quantities of a scenario for every row of a source, at most ``most``, as `sweep` without a file."""
     if source.count > most:
