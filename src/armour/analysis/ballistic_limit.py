@@ -91,7 +91,11 @@ def needed_flow_stress(
         return None
     probability, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     percent, _ = scatter_of(scenario, materials_of(scenario), bare=False)
-    shots = constant_law_error().of_shots(percent / 100.0)
+    # Measured over computed limits of AD85 with a constant flow stress, without a trend.
+    fit = fits()["constant"]
+    scale = np.sqrt(fit.variance + fit.covariance[:, 0])
+    error = Mixture(np.ones(1), fit.coefficients, scale, np.array([fit.degrees_of_freedom]))
+    shots = error.of_shots(percent / 100.0)
     likely_m_s = scenario.impact.velocity_m_s / float(shots.quantile(1.0 - probability))
     return NeededFlowStress(
         ceramic.name,
@@ -101,13 +105,6 @@ def needed_flow_stress(
         sources,
         tuple(limits_over(scenario, np.array(sources)).tolist()),
     )
-
-
-def constant_law_error() -> Mixture:
-    """Return the distribution of measured / computed limits of AD85 with a constant flow stress, without a trend."""
-    fit = fits()["constant"]
-    scale = np.sqrt(fit.variance + fit.covariance[:, 0])
-    return Mixture(np.ones(1), fit.coefficients, scale, np.array([fit.degrees_of_freedom]))
 
 
 def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
@@ -422,7 +419,9 @@ def confidence_in(
     `known` is what `limit_and_error` returns for the row, if it was computed for another velocity.
     """
     limit, error, reason = known or limit_and_error(row, on_progress)
-    probability = probability_of_stopping(row.scenario, limit, error)
+    probability = probability_by_tests(row.scenario, limit, error)
+    if probability is not None and error is not None:
+        probability = min(probability, error.greatest_probability)
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason)
     if error is not None:
@@ -456,18 +455,13 @@ def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | Non
     return limit, model_error(row, limit), ""
 
 
-def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
     """Return the probability that an armour stops a shot at its impact velocity; None if it is not known.
 
-    An error without a limit means that no velocity up to 10,000 m/s perforates.  The probability for a limit of
-    10,000 m/s is then a lower bound, returned if it exceeds 0.995.
+    Its upper bound, `greatest_probability` of the model error, is left out.  An error without a limit means that no
+    velocity up to 10,000 m/s perforates.  The probability for a limit of 10,000 m/s is then a lower bound, returned if
+    it exceeds 0.995.
     """
-    by_tests = probability_by_tests(scenario, limit_m_s, error)
-    return by_tests if by_tests is None or error is None else min(by_tests, error.greatest_probability)
-
-
-def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
-    """Return this probability without its upper bound, `greatest_probability` of the model error."""
     if error is None:
         return None
     limit = FASTEST_M_S if limit_m_s is None else limit_m_s

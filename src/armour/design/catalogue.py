@@ -54,11 +54,6 @@ class CandidateDesigns(NamedTuple):
     thickness_mm: Floats
     cost_per_m2: Floats
 
-    @classmethod
-    def joined(cls, parts: Sequence["CandidateDesigns"]) -> "CandidateDesigns":
-        """Concatenate candidates."""
-        return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
     def at(self, where: Ints | Bools | slice) -> "CandidateDesigns":
         """Return some of the candidates, given their indices, a mask or a slice."""
         pair, *numbers = self
@@ -126,11 +121,6 @@ class Catalogue:
         """Velocities of the threats, m/s, (threats,)."""
         return np.array([threat.velocity_m_s for threat in self.threats])
 
-    @cached_property
-    def cosines(self) -> Floats:
-        """Cosines of the obliquities of the threats, (threats,)."""
-        return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
-
     def against_each(self, candidates: CandidateDesigns) -> Variants:
         """Return rows of designs against each threat at its velocity, (designs * threats,), design by design."""
         design_of_row, threat_of_row = np.divmod(np.arange(len(candidates.pair) * len(self.threats)), len(self.threats))
@@ -140,7 +130,7 @@ class Catalogue:
         rows = Variants(
             self.layers[designs.pair] + self.projectiles[threat_of_row],
             self.velocities_m_s[threat_of_row],
-            self.cosines[threat_of_row],
+            np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])[threat_of_row],
             place_of_row,
             self.scenario,
             tuple(self.materials[pair] for pair in pairs),
@@ -173,10 +163,11 @@ class Catalogue:
 
     def every(self) -> CandidateDesigns:
         """Return all designs: each pair of materials in all combinations of its thicknesses."""
-        pairs = enumerate(self.offers)
-        return CandidateDesigns.joined(
-            [self.combinations(pair, offer.ceramic.thicknesses(), offer.backing.thicknesses()) for pair, offer in pairs]
-        )
+        parts = [
+            self.combinations(pair, offer.ceramic.thicknesses(), offer.backing.thicknesses())
+            for pair, offer in enumerate(self.offers)
+        ]
+        return CandidateDesigns(*map(np.concatenate, zip(*parts, strict=True)))
 
     def far_from_tests(self, designs: CandidateDesigns) -> list[list[tuple[Far, ...]]]:
         """Return for each design, by threat, in what it is far from the tests, see `evidence.tests.far_from_tests`."""

@@ -305,12 +305,7 @@ def check(
     scenario = scenario.requiring(probability)
     if cases is None:
         return check_of(scenario, on_progress)
-    return check_offers(read_offers(scenario, cases, tuple(keep)).offers, on_progress)
-
-
-def check_offers(offers: Sequence[Offer], on_progress: OnProgress = ignore_progress) -> CheckResults:
-    """Check armours on offer, without changes; the question of each result has its name and labels."""
-    results = []
+    results, offers = [], read_offers(scenario, cases, tuple(keep)).offers
     for offer in offers:
         results.append(check_of(offer.scenario, changes=False, needed=False, offer=offer))
         on_progress(1, len(offers))
@@ -402,7 +397,7 @@ def _checked(
         reached = row.lowest_limits(reached)
     expected = expected_limit = result.expected_limit_m_s
     if error is not None and reached[0] != limit:
-        expected = float(row.expected_limits(reached)[0])
+        expected = float(row.shot_distributions(reached).quantile(0.5)[0])
     standing = Standing(
         float(reached[0]),
         expected,

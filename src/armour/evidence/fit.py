@@ -302,11 +302,6 @@ class Posterior(NamedTuple):
         return matrix @ lot.coefficients + gain @ (self.deviations - self.shifts), variance
 
     @property
-    def confirmed(self) -> Any:
-        """Whether another test of the same armour confirms each test, (m,), 0 or 1."""
-        return confirmed(self.tests, self.tests.errors, self.tests.uncertainties**2)
-
-    @property
     def coefficients(self) -> Floats:
         """Expected coefficients of the lot given its tests, (terms,)."""
         lot, Z = self.lot, matrix_of(self.lot.terms, self.lot.reference, self.tests.quantities)

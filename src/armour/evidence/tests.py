@@ -111,11 +111,9 @@ class Evidence(NamedTuple):
     def differences(self, q: Quantities) -> Any:
         """Return in how many respects n armours differ from the tests; a ceramic instead of none outweighs the rest."""
         by_ceramic = BY_CERAMIC * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
-        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + self.has_other_law(q)
-
-    def has_other_law(self, q: Quantities) -> Any:
-        """Return whether the flow stress of the ceramic of n armours has none of the laws."""
-        return np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else q["path_ratio"] < 0.0
+        # The flow stress of the ceramic may have any of the laws.
+        by_law = np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else 0
+        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + by_law
 
     def holds(self, q: Quantities) -> Any:
         """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
@@ -217,11 +215,6 @@ def nearest_shipped(q: Quantities) -> Any:
     return np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
 
 
-def shipped_evidence_of(fit: str) -> Evidence:
-    """Return the tests that a fit is based on."""
-    return next(tests for tests in shipped_evidence() if fit in [shipped_fit.name for shipped_fit in tests.fits])
-
-
 class Materials(NamedTuple):
     """Entries of the library in an armour."""
 
@@ -304,7 +297,8 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
     tested = {name: np.array(column) for name, column in own_tests.tests.items()}
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
-    shipped = shipped_evidence_of(own_tests.law[0].fit)
+    # The tests that the fit is based on.
+    shipped = next(each for each in shipped_evidence() if own_tests.law[0].fit in [fit.name for fit in each.fits])
     by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
     distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
     if (distances > IMPLAUSIBLE).any():
@@ -556,11 +550,6 @@ def scenario_warnings(scenario: Scenario, armours: Armours | None = None, *, sai
     return (*(note if said else replace(note, said="") for note in cannot), *scenario.unused_threats(), *strengths)
 
 
-def _named(titles: Sequence[str], places: Sequence[int]) -> str:
-    """Return words, such as " against M2", for the threats at some places; "" for all of them."""
-    return f" against {joined([titles[place] for place in places])}" if len(places) < len(titles) else ""
-
-
 def against_each(
     titles: Sequence[str], by_threat: Iterable[Iterable[tuple[Note, Any]]]
 ) -> Iterator[tuple[Note, list[Any]]]:
@@ -575,7 +564,8 @@ def against_each(
             found.setdefault(note.about, []).append((place, note, mask))
     for each in found.values():
         places, notes, masks = zip(*each, strict=True)
-        yield notes[0].against(_named(titles, places)), list(masks)
+        threats = f" against {joined([titles[place] for place in places])}" if len(places) < len(titles) else ""
+        yield notes[0].against(threats), list(masks)
 
 
 def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
