@@ -13,6 +13,7 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import typer.cli
 from latex2mathml.converter import convert
 from markdown.extensions.toc import slugify
@@ -20,16 +21,18 @@ from mkdocs.structure.files import File
 from typer.testing import CliRunner
 
 import armour
+from armour.analysis.evaluate import groups_of
 from armour.analysis.quantities import label_and_unit
 from armour.columns import COUNTED, OUTCOME_WORDS, UNITS, USUAL_NAMES, YES_OR_NO
+from armour.csv_files import shipped_rows
 from armour.reporting.formats import markdown_table
 from armour.reporting.table import in_words
 from armour.reporting.views.library import entry_table, entry_tables, tables_by_kind, threat_table
-from armour.scenario.inputs import INPUTS, Kind
+from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, Kind
 from armour.scenario.library import named_threats
 from armour.scenario.scenario import scenario_schema
 from armour.units import words_and_unit
-from armour.validation.tested import tested_with
+from armour.validation.tested import wilkins_tests
 
 DOCS = Path(__file__).parents[1] / "docs"
 # Pages of the site whose text is kept elsewhere in the repository.
@@ -185,6 +188,38 @@ def count_words() -> str:
     """Return a table of the words for shots that count and those that do not."""
     pairs = (*YES_OR_NO, *COUNTED)
     return "\n".join(["| does not count | counts |", "|---|---|", *(f"| {no} | {yes} |" for no, yes in pairs)])
+
+
+@cache
+def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
+    """Return what each library entry was tested with, by its kind and name: rounds for a material, and vice versa."""
+    # Files of the same name in the working folder must not replace the shipped ones.
+    shipped, wilkins = armour.shipped_library(), wilkins_tests().scenarios[0]
+    rounds = shipped.known("projectile")
+    plates = [row for row in shipped_rows("tests/plates") if row["round"] in rounds]
+    tested: dict[tuple[Kind, str], dict[str, None]] = {}
+
+    def add(kind: Kind, name: str, words: str) -> None:
+        tested.setdefault((kind, name), {})[words] = None
+
+    bare = {
+        NAMES["backing"]: np.array([row["plate"] for row in plates]),
+        NAMES["projectile"]: np.array([rounds[row["round"]] for row in plates]),
+        BACKING: np.array([float(row[BACKING]) for row in plates]),
+    }
+    for group in groups_of(wilkins.replaced({CERAMIC: 0.0}), bare):
+        if group.variants.errors.known.any():
+            metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
+            add("metal", metal, projectile)
+            add("projectile", projectile, metal)
+    metal, projectile = wilkins.armour.backing, wilkins.impact.projectile
+    for ceramic in shipped.names("ceramic"):
+        [group] = groups_of(wilkins.replaced({NAMES["ceramic"]: ceramic}), wilkins_tests().columns)
+        if group.variants.errors.known.any():
+            add("ceramic", ceramic, f"{projectile}, on {metal}")
+            add("metal", metal, f"{projectile}, with {wilkins.armour.ceramic}")
+            add("projectile", projectile, f"{wilkins.armour.ceramic} on {metal}")
+    return {entry: tuple(words) for entry, words in tested.items()}
 
 
 def library(kind: Any) -> str:

@@ -9,7 +9,7 @@ import pytest
 import armour
 from armour.cli.app import app
 from armour.scenario.library import named_threats
-from armour.validation import tested
+from tests.helpers.cases import scenario
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +80,24 @@ def test_the_library_has_every_entry_with_its_sources(site):
     assert all(f"## {name}\n" in text and threat.source in text for name, threat in named_threats().items())
 
 
+def test_the_error_is_known_of_what_was_tested_and_of_no_other_entry(site):
+    found, library = site.tested_with(), armour.shipped_library()
+    assert {("ceramic", "AD85"), ("metal", "6061-T6"), ("projectile", "7.62 mm AP")} < found.keys()
+    assert not {("ceramic", "AD85 initial"), ("ceramic", "SiC"), ("metal", "Ti-6Al-4V")} & found.keys()
+    assert not {("projectile", "7.62 mm B32"), ("projectile", "30 mm APDS")} & found.keys()
+    for ceramic in library.names("ceramic"):
+        known = armour.confidence(scenario(ceramic=ceramic)).model_error is not None
+        assert known == (("ceramic", ceramic) in found), ceramic
+
+
+def test_files_of_these_names_in_the_working_folder_are_not_read(site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "tests").mkdir()
+    for name in ("tests/plates", "tests/wilkins", "wilkins"):
+        (tmp_path / name).write_text("a,b\n1,2\n")
+    monkeypatch.chdir(tmp_path)
+    assert site.tested_with.__wrapped__() == site.tested_with()
+
+
 @pytest.mark.parametrize("kind", ["threat", "projectile", "metal", "ceramic"])
 def test_a_table_of_the_library_links_every_name_to_its_values_and_says_what_it_was_tested_with(site, kind):
     rows = re.findall(rf"^\| \[(.+)\]\(library/{kind}s\.md#(\S+)\) \| (.*?) ?\|", site.library(kind), re.MULTILINE)
@@ -88,7 +106,7 @@ def test_a_table_of_the_library_links_every_name_to_its_values_and_says_what_it_
     assert all(anchor == site.slugify(name, "-") for name, anchor, _ in rows)
     rounds = {name: ("projectile", threat.projectile) for name, threat in named_threats().items()}
     found = {name for name, _, tests in rows if tests}
-    assert found == {name for name, _, _ in rows if rounds.get(name, (kind, name)) in tested.tested_with()} != set()
+    assert found == {name for name, _, _ in rows if rounds.get(name, (kind, name)) in site.tested_with()} != set()
 
 
 def test_the_page_of_the_api_has_a_line_for_every_public_name(site):

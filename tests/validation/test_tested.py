@@ -1,30 +1,9 @@
-"""What entries of the library were tested with."""
-
-from pathlib import Path
+"""The tested armours that are nearest to a ballistic limit."""
 
 import pytest
 
-from armour import confidence, shipped_library
 from armour.validation import tested
 from tests.helpers.cases import scenario
-
-
-def test_the_error_is_known_of_what_was_tested_and_of_no_other_entry():
-    found, library = tested.tested_with(), shipped_library()
-    assert {("ceramic", "AD85"), ("metal", "6061-T6"), ("projectile", "7.62 mm AP")} < found.keys()
-    assert not {("ceramic", "AD85 initial"), ("ceramic", "SiC"), ("metal", "Ti-6Al-4V")} & found.keys()
-    assert not {("projectile", "7.62 mm B32"), ("projectile", "30 mm APDS")} & found.keys()
-    for ceramic in library.names("ceramic"):
-        known = confidence(scenario(ceramic=ceramic)).model_error is not None
-        assert known == (("ceramic", ceramic) in found), ceramic
-
-
-def test_files_of_these_names_in_the_working_folder_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    (tmp_path / "tests").mkdir()
-    for name in ("tests/plates", "tests/wilkins", "wilkins"):
-        (tmp_path / name).write_text("a,b\n1,2\n")
-    monkeypatch.chdir(tmp_path)
-    assert tested.tested_with.__wrapped__() == tested.tested_with()
 
 
 def test_the_tested_armours_nearest_to_a_limit_are_those_against_such_a_core():

@@ -1,4 +1,4 @@
-"""Find tested armours: what each library entry was tested with, and the tests nearest to a ballistic limit."""
+"""Find tested armours: those nearest to a ballistic limit, and the limits measured of an armour."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -7,12 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from armour.analysis.evaluate import groups_of
 from armour.analysis.variants import Floats
 from armour.csv_files import shipped_rows
 from armour.files import shipped_files
-from armour.scenario.inputs import BACKING, CERAMIC, LAYERS, NAMES, OBLIQUITY, ROD, ROLES, Kind
-from armour.scenario.library import shipped_library
+from armour.scenario.inputs import BACKING, LAYERS, OBLIQUITY, ROD, ROLES
 from armour.scenario.scenario import Scenario, load_scenario
 from armour.statistics.measured import LIMIT
 from armour.units import MM
@@ -109,35 +107,3 @@ def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
             measured = MeasuredArmour(plate, row["round"], thickness_mm * MM * density, float(row[LIMIT]))
             tests.append((row["metal"], tuple(float(row[name]) for name in ROD), measured))
     return tuple(tests)
-
-
-@cache
-def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
-    """Return what each library entry was tested with, by its kind and name: rounds for a material, and vice versa."""
-    # Files of the same name in the working folder must not replace the shipped ones.
-    library, wilkins = shipped_library(), wilkins_tests().scenarios[0]
-    rounds = library.known("projectile")
-    plates = [row for row in shipped_rows("tests/plates") if row["round"] in rounds]
-    tested: dict[tuple[Kind, str], dict[str, None]] = {}
-
-    def add(kind: Kind, name: str, words: str) -> None:
-        tested.setdefault((kind, name), {})[words] = None
-
-    bare = {
-        NAMES["backing"]: np.array([row["plate"] for row in plates]),
-        NAMES["projectile"]: np.array([rounds[row["round"]] for row in plates]),
-        BACKING: np.array([float(row[BACKING]) for row in plates]),
-    }
-    for group in groups_of(wilkins.replaced({CERAMIC: 0.0}), bare):
-        if group.variants.errors.known.any():
-            metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
-            add("metal", metal, projectile)
-            add("projectile", projectile, metal)
-    metal, projectile = wilkins.armour.backing, wilkins.impact.projectile
-    for ceramic in library.names("ceramic"):
-        [group] = groups_of(wilkins.replaced({NAMES["ceramic"]: ceramic}), wilkins_tests().columns)
-        if group.variants.errors.known.any():
-            add("ceramic", ceramic, f"{projectile}, on {metal}")
-            add("metal", metal, f"{projectile}, with {wilkins.armour.ceramic}")
-            add("projectile", projectile, f"{wilkins.armour.ceramic} on {metal}")
-    return {entry: tuple(words) for entry, words in tested.items()}
