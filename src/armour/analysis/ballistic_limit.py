@@ -409,19 +409,10 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     return result.of(scenario=scenario)
 
 
-def confidence_in(
-    row: Variants,
-    on_progress: OnProgress = ignore_progress,
-    known: tuple[float | None, ModelError | None, str] | None = None,
-) -> ConfidenceResult:
-    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`.
-
-    `known` is what `limit_and_error` returns for the row, if it was computed for another velocity.
-    """
-    limit, error, reason = known or limit_and_error(row, on_progress)
-    probability = probability_by_tests(row.scenario, limit, error)
-    if probability is not None and error is not None:
-        probability = min(probability, error.greatest_probability)
+def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
+    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`."""
+    limit, error, reason = limit_and_error(row, on_progress)
+    probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason)
     if error is not None:
@@ -455,13 +446,18 @@ def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | Non
     return limit, model_error(row, limit), ""
 
 
-def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
     """Return the probability that an armour stops a shot at its impact velocity; None if it is not known.
 
-    Its upper bound, `greatest_probability` of the model error, is left out.  An error without a limit means that no
-    velocity up to 10,000 m/s perforates.  The probability for a limit of 10,000 m/s is then a lower bound, returned if
-    it exceeds 0.995.
+    An error without a limit means that no velocity up to 10,000 m/s perforates.  The probability for a limit of
+    10,000 m/s is then a lower bound, returned if it exceeds 0.995.
     """
+    by_tests = probability_by_tests(scenario, limit_m_s, error)
+    return by_tests if by_tests is None or error is None else min(by_tests, error.greatest_probability)
+
+
+def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
+    """Return this probability without its upper bound, `greatest_probability` of the model error."""
     if error is None:
         return None
     limit = FASTEST_M_S if limit_m_s is None else limit_m_s

@@ -73,10 +73,8 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     """Return rows of values as variants of the scenario, grouped by their settings."""
-    return [
-        Group(where, variants_of(changed, inputs, len(where)))
-        for where, changed, inputs in scenarios_of(scenario, columns)
-    ]
+    found = scenarios_of(scenario, columns)
+    return [Group(where, variants_of(changed, inputs, len(where))) for where, changed, inputs in found]
 
 
 def scenarios_of(
@@ -123,9 +121,7 @@ def evaluate_groups(
     answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
     computed = {name: COMPUTED[name] for name in quantities if name in COMPUTED}
-    columns = {
-        name: np.concatenate([compute(answer) for answer in answers])[order] for name, compute in computed.items()
-    }
+    columns = {name: np.concatenate([*map(compute, answers)])[order] for name, compute in computed.items()}
     warnings: Counter[str] = Counter()
     for answer in answers:
         warnings.update(dict(answer.variants.caveats()))

@@ -115,9 +115,7 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
     fields = batch.fields(parameters)
     for law in np.unique(laws[laws > 0]):
         rows = laws == law
-        for name, (value,), (first_value,) in zip(
-            LAW_FIELDS, errors.parameters[law], errors.parameters[0], strict=True
-        ):
+        for name, (value,), (first_value,) in zip(LAW_FIELDS, *errors.parameters[[law, 0]], strict=True):
             column = getattr(fields, name)
             column[rows] = column[rows] * value / first_value if first_value else value
     return variants._replace(parameters=parameters)

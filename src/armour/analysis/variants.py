@@ -301,16 +301,14 @@ def ballistic_limits(
     or the dense one for unusual rows.
     """
     section = variants.scenario.ballistic_limit
-    range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
+    low, high = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
     limits = np.empty(len(variants.velocities))
     dense = variants.is_unusual() if points is None else np.zeros(len(limits), dtype=bool)
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            settings, threads = variants.settings, variants.threads
-            brackets = batch.ballistic_limits(
-                variants.parameters[rows], *range_m_s, tolerance, settings, number, threads
-            )
+            how = variants.settings, number, variants.threads
+            brackets = batch.ballistic_limits(variants.parameters[rows], low, high, tolerance, *how)
             check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
             limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
             on_progress(int(brackets.runs.sum()), None)

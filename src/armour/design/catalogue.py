@@ -67,7 +67,6 @@ class Catalogue:
     scenario: Scenario
     section: DesignSection
     threats: tuple[Threat, ...]
-    titles: tuple[str, ...]  # of the threats
     margins_m_s: Floats  # required of the limits, 0 if none is given, (threats,)
     required: Bools  # whether a probability is required, (threats,)
     bounds: Floats  # greatest probabilities of perforation, 0.5 where none is required, (threats,)
@@ -236,7 +235,6 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     """Return the catalogue of a scenario; if it lists no threats, its impact is the threat."""
     section = _section_of(scenario)
     threats = scenario.threats()
-    titles = tuple(threat.title for threat in threats)
     bounds = [*map(section.bound, threats)]
     required = np.array([bound is not None for bound in bounds])
     sampled = bool(required.any() and scenario.distributions())
@@ -246,13 +244,11 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
     metals = [scenario.entry("metal", layer.material) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
+    rounds = zip(threats, projectiles, strict=True)
     inputs = {
         "ceramic": [{} if entry is None else inputs_of_entry("ceramic", entry) for entry in ceramics],
         "backing": [inputs_of_entry("backing", entry) for entry in metals],
-        "projectile": [
-            {OBLIQUITY: threat.obliquity_deg, **inputs_of_entry("projectile", projectile)}
-            for threat, projectile in zip(threats, projectiles, strict=True)
-        ],
+        "projectile": [{OBLIQUITY: each.obliquity_deg, **inputs_of_entry("projectile", rod)} for each, rod in rounds],
     }
     varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
     refuse(_placed(scenario, {VELOCITY, CERAMIC, BACKING} | varying) if sampled else ())
@@ -261,15 +257,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     for name, law in scenario.model.laws().items():
         getattr(batch.fields(parameters["projectile"]), name)[:] = law
     densities = batch.fields(layers)
-    offers = tuple(
-        Offer(*pair, float(densities.rho_c[i]), float(densities.rho_B[i]))
-        for i, pair in enumerate(product(section.ceramic, section.backing))
-    )
+    pairs = zip(product(section.ceramic, section.backing), densities.rho_c, densities.rho_B, strict=True)
+    offers = tuple(Offer(*pair, float(of_ceramic), float(of_backing)) for pair, of_ceramic, of_backing in pairs)
     return Catalogue(
         scenario=scenario,
         section=section,
         threats=threats,
-        titles=titles,
         margins_m_s=np.array([threat.margin_m_s for threat in threats]),
         required=required,
         bounds=np.array([1.0 - EVEN if bound is None else bound for bound in bounds]),

@@ -8,7 +8,13 @@ from typing import Any, overload
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import NeededFlowStress, confidence_in, needed_flow_stress, probability_by_tests
+from armour.analysis.ballistic_limit import (
+    NeededFlowStress,
+    confidence_in,
+    needed_flow_stress,
+    probability_by_tests,
+    probability_of_stopping,
+)
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.quantities import VERDICT
@@ -340,14 +346,11 @@ def check_of(
     limits = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
     verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
+    not_sampled = dict.fromkeys(note for each in wrongly_placed for note in each)
     notes = (
         *scenario.unused_impact(),
         *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
-        *(
-            dict.fromkeys(note for each in wrongly_placed for note in each)
-            if requires
-            else scenario.unused_distributions()
-        ),
+        *(not_sampled if requires else scenario.unused_distributions()),
     )
     title = scenario.subject(threats=scenario.threat)
     return CheckResult(
@@ -410,10 +413,11 @@ def _checked(
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed = against.replaced(values)
-        known = (limit, error, result.reason) if VELOCITY in values else None  # the limit does not depend on it
-        found = confidence_in(row_of(changed), on_progress, known)
+        # The limit does not depend on the velocity.
+        found = result if VELOCITY in values else confidence_in(row_of(changed), on_progress)
         limits = found.ballistic_limit_m_s, found.expected_limit_m_s, found.interval_m_s
-        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, found.probability_of_stopping))
+        stopping = probability_of_stopping(changed, found.ballistic_limit_m_s, found.model_error)
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
     if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))

@@ -172,10 +172,6 @@ class Fit(NamedTuple):
         freedom = self.degrees_of_freedom + len(deviations)
         return self._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
 
-    def without(self, where: Any) -> "Fit":
-        """Return the fit for a lot given its tests except for some, marked by True in a mask, (n,)."""
-        return self.own[0].lot.given(self.own[0].tests.at(~where))
-
     def probabilities_of_farther(self, tests: LotTests) -> Floats:
         """Return the probability, (n,), that each of n tests of the lot would lie farther from what the others predict.
 

@@ -277,12 +277,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         scatters, parameters = _scatters_of(scenario, armours), np.zeros((1, len(LAW_FIELDS), count))
         return ErrorRows(repeated, parameters, scatters, np.ones(count))
-    as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
-    laws = [
-        law
-        for evidence, rows in armours.by_evidence
-        for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
-    ]
+    laws = [law for evidence, rows in armours.by_evidence for law in _laws_of(scenario, evidence, armours, rows)]
     errors = ErrorRows.unknown(count, 1 + max((number for number, *_ in laws), default=0))
     errors.scatters[:] = _scatters_of(scenario, armours)
     errors.parameters[0] = law_of(armours.parameters)
@@ -298,7 +293,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
 
 
 def _laws_of(
-    evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: bool
+    scenario: Scenario, evidence: Evidence, armours: Armours, rows: Any
 ) -> Iterator[tuple[int, Any, Floats, tuple[Any, ...], Any]]:
     """Yield the laws for which evidence gives the model error of some of n armours, marked in the mask `rows`.
 
@@ -307,11 +302,12 @@ def _laws_of(
     `Mixture`; and the greatest probabilities of stopping that are stated for these armours.
 
     With a ceramic, the law of the armour comes first; the flow stress by the others is in proportion to its own.
-    `as_at_normal` assumes that a limit at an angle is at least that at normal incidence.
+    The scenario may assume that a limit at an angle is at least that at normal incidence.
     """
     oblique = evidence.fails_angle(armours.cosines)
     # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
-    at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
+    as_at_normal = evidence.ceramic and scenario.design and scenario.design.angles_as_at_normal_incidence
+    at_least_deg = 90.0 if as_at_normal else evidence.at_least_deg
     is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
     bare = () if evidence.ceramic else evidence.measured
     doubted = {tested.name: (tested.low, tested.high) for tested in bare if tested.name in DOUBTED}
@@ -376,9 +372,8 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
         return None
     # `ratio` is given all tests and is relative to the limit by the model.  Leaving out the tests of this armour moves
     # its locations, law by law, as it moves those of the mixture.
-    given, others = (
-        mixture_of(each, q).one() for each in (evidence.fits, [fit.without(here) for fit in evidence.fits])
-    )
+    without = [fit.own[0].lot.given(fit.own[0].tests.at(~here)) for fit in evidence.fits]
+    given, others = (mixture_of(each, q).one() for each in (evidence.fits, without))
     predicted = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
     low, median, high = predicted.quantile((0.025, 0.5, 0.975)).tolist()
     limits = here & (tests.sides == 0.0)
