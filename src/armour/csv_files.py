@@ -16,7 +16,7 @@ from statistics import fmean
 from typing import Any, NamedTuple
 
 from armour.columns import GROUPS, MAX_NAME, RESULT_KEYS, Column, columns_of, is_code, is_unit, is_yes, letters, sums_up
-from armour.errors import CHOOSE, InputError, Problem, counted, joined, listed, mistake, refuse, suggestion
+from armour.errors import CHOOSE, InputError, Problem, choices, counted, joined, listed, mistake, refuse, suggestion
 from armour.files import WORKBOOKS, csv_value, located, named, reason, refuse_pipe, shell_line, shipped_tests
 from armour.foreign import Rows, records
 from armour.units import key_hint
@@ -81,6 +81,12 @@ class Source:
     def title(self, place: int) -> str:
         """Return the name of a column, or its number if it has no name."""
         return self.header[place] or f"column {place + 1}"
+
+    def check_kept(self, keep: Iterable[str]) -> None:
+        """Refuse the names of columns to keep that the table does not have."""
+        unknown = [name for name in keep if name not in self.header]
+        wrong = (f'must name a column, found "{name}"{choices(name, self.header)}' for name in unknown)
+        refuse(Problem(self.file, "keep", message) for message in wrong)
 
     def check_marks(self, places: Iterable[str]) -> None:
         """Record as wrong the rows, of those that count, that are hidden or struck through in a sheet."""

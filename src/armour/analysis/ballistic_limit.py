@@ -91,7 +91,11 @@ def needed_flow_stress(
         return None
     probability, sources = probability or USUAL_PROBABILITY, ceramic.flow_stress_sources_GPa
     percent, _ = scatter_of(scenario, materials_of(scenario), bare=False)
-    shots = constant_law_error().of_shots(percent / 100.0)
+    # Measured over computed limits of AD85 with a constant flow stress, without a trend.
+    fit = fits()["constant"]
+    scale = np.sqrt(fit.variance + fit.covariance[:, 0])
+    error = Mixture(np.ones(1), fit.coefficients, scale, np.array([fit.degrees_of_freedom]))
+    shots = error.of_shots(percent / 100.0)
     likely_m_s = scenario.impact.velocity_m_s / float(shots.quantile(1.0 - probability))
     return NeededFlowStress(
         ceramic.name,
@@ -101,13 +105,6 @@ def needed_flow_stress(
         sources,
         tuple(limits_over(scenario, np.array(sources)).tolist()),
     )
-
-
-def constant_law_error() -> Mixture:
-    """Return the distribution of measured / computed limits of AD85 with a constant flow stress, without a trend."""
-    fit = fits()["constant"]
-    scale = np.sqrt(fit.variance + fit.covariance[:, 0])
-    return Mixture(np.ones(1), fit.coefficients, scale, np.array([fit.degrees_of_freedom]))
 
 
 def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
@@ -412,16 +409,9 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     return result.of(scenario=scenario)
 
 
-def confidence_in(
-    row: Variants,
-    on_progress: OnProgress = ignore_progress,
-    known: tuple[float | None, ModelError | None, str] | None = None,
-) -> ConfidenceResult:
-    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`.
-
-    `known` is what `limit_and_error` returns for the row, if it was computed for another velocity.
-    """
-    limit, error, reason = known or limit_and_error(row, on_progress)
+def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
+    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`."""
+    limit, error, reason = limit_and_error(row, on_progress)
     probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
         return ConfidenceResult(probability, None, error, "" if probability else reason)

@@ -6,13 +6,13 @@ A question without an answer gives NaN; a run that does not end raises an InputE
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from armour.analysis.quantities import QUANTITIES, reads_of, with_round
-from armour.analysis.variants import Bools, Floats, Ints, Thinnest, Variants, ballistic_limits, grid_of, variants_of
+from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits, grid_of, variants_of
 from armour.core import equations
 from armour.core.state import Outcome
 from armour.engine import batch
@@ -73,10 +73,8 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
     """Return rows of values as variants of the scenario, grouped by their settings."""
-    return [
-        Group(where, variants_of(changed, inputs, len(where)))
-        for where, changed, inputs in scenarios_of(scenario, columns)
-    ]
+    found = scenarios_of(scenario, columns)
+    return [Group(where, variants_of(changed, inputs, len(where))) for where, changed, inputs in found]
 
 
 def scenarios_of(
@@ -123,9 +121,7 @@ def evaluate_groups(
     answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
     computed = {name: COMPUTED[name] for name in quantities if name in COMPUTED}
-    columns = {
-        name: np.concatenate([compute(answer) for answer in answers])[order] for name, compute in computed.items()
-    }
+    columns = {name: np.concatenate([*map(compute, answers)])[order] for name, compute in computed.items()}
     warnings: Counter[str] = Counter()
     for answer in answers:
         warnings.update(dict(answer.variants.caveats()))
@@ -157,7 +153,8 @@ class QuantityValues:
 
     def __init__(self, variants: Variants) -> None:
         self.variants = variants
-        self._least_by_layer: dict[str, Thinnest] = {}
+        # Least thicknesses of the "ceramic", "back plate" or whole "armour" that stop the impacts.
+        self.least = cache(variants.least_thicknesses)
 
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
@@ -174,12 +171,6 @@ class QuantityValues:
         """Ballistic limits, m/s; NaN for none in the range searched."""
         limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
-
-    def least(self, layer: str) -> Thinnest:
-        """Return the least thicknesses of the "ceramic", "back plate" or whole "armour" that stop the impacts."""
-        if layer not in self._least_by_layer:
-            self._least_by_layer[layer] = self.variants.least_thicknesses(layer)
-        return self._least_by_layer[layer]
 
     @cached_property
     def with_least_ceramic(self) -> Variants:

@@ -115,9 +115,7 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
     fields = batch.fields(parameters)
     for law in np.unique(laws[laws > 0]):
         rows = laws == law
-        for name, (value,), (first_value,) in zip(
-            LAW_FIELDS, errors.parameters[law], errors.parameters[0], strict=True
-        ):
+        for name, (value,), (first_value,) in zip(LAW_FIELDS, *errors.parameters[[law, 0]], strict=True):
             column = getattr(fields, name)
             column[rows] = column[rows] * value / first_value if first_value else value
     return variants._replace(parameters=parameters)
@@ -166,14 +164,15 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
     parts, ends = np.asarray(probabilities), np.array(distribution.ends)
     if distribution.distribution == "uniform":
         return ends[0] + (ends[1] - ends[0]) * parts
-    centre, width = centre_and_width(distribution, value)
-    if distribution.distribution == "lognormal":
+    centre, width = distribution.moments(value)
+    if is_lognormal := distribution.distribution == "lognormal":
+        centre, width = log(centre / hypot(1.0, width / centre)), sqrt(log1p((width / centre) ** 2))
         with np.errstate(divide="ignore"):
             ends = np.log(ends.clip(min=0.0))
     from scipy.stats import truncnorm  # slow to import
 
     values = truncnorm.ppf(parts, *(ends - centre) / width, loc=centre, scale=width)
-    return np.clip(np.exp(values) if distribution.distribution == "lognormal" else values, *distribution.ends)
+    return np.clip(np.exp(values) if is_lognormal else values, *distribution.ends)
 
 
 def moved_mean(distribution: Distribution, value: float) -> tuple[float, float] | None:
@@ -183,14 +182,6 @@ def moved_mean(distribution: Distribution, value: float) -> tuple[float, float] 
     before, deviation = distribution.moments(value)
     after = float(quantiles(distribution, (np.arange(1000) + 0.5) / 1000, value).mean())
     return (before, after) if abs(after - before) > 0.1 * deviation else None
-
-
-def centre_and_width(distribution: Distribution, value: float) -> tuple[float, float]:
-    """Return mean and standard deviation before truncation; of a lognormal distribution, those of the logarithm."""
-    mean, deviation = distribution.moments(value)
-    if distribution.distribution != "lognormal":
-        return mean, deviation
-    return log(mean / hypot(1.0, deviation / mean)), sqrt(log1p((deviation / mean) ** 2))
 
 
 def probability_of_perforation(

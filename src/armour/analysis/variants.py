@@ -156,13 +156,6 @@ class Variants(_Rows):
         errors = self.errors
         return errors.of_shots.ratio.times(self.limits_by_law(errors, limits))
 
-    def expected_limits(self, limits: Floats) -> Floats:
-        """Return the expected limits of n armours, at which half of all shots are stopped, m/s, (n,).
-
-        They are NaN where the model error is not known; `limits`, m/s, are those of the model.
-        """
-        return np.asarray(self.shot_distributions(limits).quantile(0.5))
-
     def caveats(self) -> Iterator[tuple[str, int]]:
         """Yield the caveats about the rows and doubtful strengths of their metals, each with its number of rows."""
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
@@ -181,13 +174,10 @@ class Variants(_Rows):
         """
         limits = np.tile(own_limits, (len(errors.ratio.weights), 1))
         has_law = (errors.ratio.weights > 0.0) & ~np.isnan(own_limits)
-        laws = [(law, rows) for law in range(1, len(limits)) if len(rows := np.flatnonzero(has_law[law]))]
-        if len(own_limits) == 1 and laws:  # few, computed at once
-            several = concatenated([self.by_law(law, errors) for law, _ in laws])
-            limits[[law for law, _ in laws], 0] = several.limits_anywhere()
-            return limits
-        for law, rows in laws:
-            limits[law, rows] = self.by_law(law, errors).at(rows).limits_anywhere()
+        has_law[0] = False
+        laws, rows = np.nonzero(has_law)
+        parameters = zip(LAW_FIELDS, errors.parameters[laws, :, rows].T, strict=True)
+        limits[laws, rows] = self.at(rows).with_fields(dict(parameters)).limits_anywhere()
         return limits
 
     def changes_above(self, limits: Floats) -> Bools:
@@ -311,16 +301,14 @@ def ballistic_limits(
     or the dense one for unusual rows.
     """
     section = variants.scenario.ballistic_limit
-    range_m_s = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
+    low, high = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
     tolerance = section.tolerance_m_s if tolerance is None else tolerance
     limits = np.empty(len(variants.velocities))
     dense = variants.is_unusual() if points is None else np.zeros(len(limits), dtype=bool)
     for rows, number in ((~dense, points or SCAN_POINTS), (dense, DENSE_SCAN_POINTS)):
         if rows.any():
-            settings, threads = variants.settings, variants.threads
-            brackets = batch.ballistic_limits(
-                variants.parameters[rows], *range_m_s, tolerance, settings, number, threads
-            )
+            how = variants.settings, number, variants.threads
+            brackets = batch.ballistic_limits(variants.parameters[rows], low, high, tolerance, *how)
             check_resolved(brackets.resolved, variants.at(rows)._replace(velocities=brackets.perforated))
             limits[rows] = np.where(np.isneginf(brackets.stopped), -np.inf, brackets.perforated)
             on_progress(int(brackets.runs.sum()), None)

@@ -9,8 +9,6 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from armour.errors import mistake
 
-# Relative difference of two numbers up to which they are equal: machines differ in the last digits.
-LAST_DIGITS = 1e-6
 NO_BASE = "must be what armour check --json printed, with this version or a later one"
 # Words for the parts of a check that are there or not.
 THERE, MISSING = "there", "missing"
@@ -105,7 +103,7 @@ def _of_threats(scenario: str, old: Sequence[_Threat], new: Sequence[_Threat]) -
             continue
         for quantity in _Threat.model_fields:
             before, now = getattr(threat, quantity), getattr(match, quantity)
-            if not _equal(before, now):
+            if not is_same(before, now):
                 yield Moved(scenario, threat.name, quantity, before, now, _is_weaker(quantity, before, now))
     for threat in left:
         yield _presence(scenario, threat.name, "threat", is_new=True)
@@ -137,15 +135,15 @@ def _of_limits(scenario: str, old: Sequence[_Limit], new: Sequence[_Limit]) -> I
             yield _presence(scenario, "", f"limit of {quantity}", is_new=quantity in now)
             continue
         earlier, later = before[quantity], now[quantity]
-        if not _equal(earlier.required, later.required):
+        if not is_same(earlier.required, later.required):
             is_weaker = later.required > earlier.required
             yield Moved(scenario, "", f"limit of {quantity}", earlier.required, later.required, is_weaker)
-        if not _equal(earlier.found, later.found):
+        if not is_same(earlier.found, later.found):
             yield Moved(scenario, "", quantity, earlier.found, later.found)
 
 
-def _equal(before: Any, now: Any) -> bool:
+def is_same(before: Any, now: Any) -> bool:
     """Return whether two values are equal; numbers may differ in their last digits."""
-    if isinstance(before, float) and isinstance(now, float):
-        return isclose(before, now, rel_tol=LAST_DIGITS)
+    if isinstance(before, int | float) and isinstance(now, int | float):
+        return isclose(before, now, rel_tol=1e-6)  # machines differ in the last digits
     return bool(before == now)

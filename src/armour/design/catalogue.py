@@ -17,15 +17,7 @@ from armour.evidence.caveats import is_no_metal
 from armour.evidence.tests import Far, Materials, is_untested, lacks_sources, what_was_tested
 from armour.scenario.inputs import BACKING, CERAMIC, INPUTS, NAMES, OBLIQUITY, VELOCITY, cosine_of, fields_of
 from armour.scenario.scenario import Scenario
-from armour.scenario.schema import (
-    MAX_DESIGNS,
-    OBJECTIVES,
-    BackingLayer,
-    CeramicLayer,
-    DesignSection,
-    Range,
-    Threat,
-)
+from armour.scenario.schema import MAX_DESIGNS, OBJECTIVES, BackingLayer, CeramicLayer, DesignSection, Range, Threat
 from armour.units import MM
 
 # Keys of [design] that ask for a design; the others apply to any armour.
@@ -61,11 +53,6 @@ class CandidateDesigns(NamedTuple):
     thickness_mm: Floats
     cost_per_m2: Floats
 
-    @classmethod
-    def joined(cls, parts: Sequence["CandidateDesigns"]) -> "CandidateDesigns":
-        """Concatenate candidates."""
-        return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
     def at(self, where: Ints | Bools | slice) -> "CandidateDesigns":
         """Return some of the candidates, given their indices, a mask or a slice."""
         pair, *numbers = self
@@ -79,7 +66,6 @@ class Catalogue:
     scenario: Scenario
     section: DesignSection
     threats: tuple[Threat, ...]
-    titles: tuple[str, ...]  # of the threats
     margins_m_s: Floats  # required of the limits, 0 if none is given, (threats,)
     required: Bools  # whether a probability is required, (threats,)
     bounds: Floats  # greatest probabilities of perforation, 0.5 where none is required, (threats,)
@@ -133,11 +119,6 @@ class Catalogue:
         """Velocities of the threats, m/s, (threats,)."""
         return np.array([threat.velocity_m_s for threat in self.threats])
 
-    @cached_property
-    def cosines(self) -> Floats:
-        """Cosines of the obliquities of the threats, (threats,)."""
-        return np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])
-
     def against_each(self, candidates: CandidateDesigns) -> Variants:
         """Return rows of designs against each threat at its velocity, (designs * threats,), design by design."""
         design_of_row, threat_of_row = np.divmod(np.arange(len(candidates.pair) * len(self.threats)), len(self.threats))
@@ -147,7 +128,7 @@ class Catalogue:
         rows = Variants(
             self.layers[designs.pair] + self.projectiles[threat_of_row],
             self.velocities_m_s[threat_of_row],
-            self.cosines[threat_of_row],
+            np.array([cosine_of(threat.obliquity_deg) for threat in self.threats])[threat_of_row],
             place_of_row,
             self.scenario,
             tuple(self.materials[pair] for pair in pairs),
@@ -180,10 +161,11 @@ class Catalogue:
 
     def every(self) -> CandidateDesigns:
         """Return all designs: each pair of materials in all combinations of its thicknesses."""
-        pairs = enumerate(self.offers)
-        return CandidateDesigns.joined(
-            [self.combinations(pair, offer.ceramic.thicknesses(), offer.backing.thicknesses()) for pair, offer in pairs]
-        )
+        parts = [
+            self.combinations(pair, offer.ceramic.thicknesses(), offer.backing.thicknesses())
+            for pair, offer in enumerate(self.offers)
+        ]
+        return CandidateDesigns(*map(np.concatenate, zip(*parts, strict=True)))
 
     def far_from_tests(self, designs: CandidateDesigns) -> list[list[tuple[Far, ...]]]:
         """Return for each design, by threat, in what it is far from the tests, see `evidence.tests.far_from_tests`."""
@@ -252,7 +234,6 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     """Return the catalogue of a scenario; if it lists no threats, its impact is the threat."""
     section = _section_of(scenario)
     threats = scenario.threats()
-    titles = tuple(threat.title for threat in threats)
     bounds = [*map(section.bound, threats)]
     required = np.array([bound is not None for bound in bounds])
     sampled = bool(required.any() and scenario.distributions())
@@ -262,13 +243,11 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
     metals = [scenario.entry("metal", layer.material) for layer in section.backing]
     projectiles = [scenario.entry("projectile", threat.projectile) for threat in threats]
+    rounds = zip(threats, projectiles, strict=True)
     inputs = {
         "ceramic": [{} if entry is None else entry.inputs_as("ceramic") for entry in ceramics],
         "backing": [entry.inputs_as("backing") for entry in metals],
-        "projectile": [
-            {OBLIQUITY: threat.obliquity_deg, **projectile.inputs_as("projectile")}
-            for threat, projectile in zip(threats, projectiles, strict=True)
-        ],
+        "projectile": [{OBLIQUITY: each.obliquity_deg, **rod.inputs_as("projectile")} for each, rod in rounds],
     }
     varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
     refuse(_placed(scenario, {VELOCITY, CERAMIC, BACKING} | varying) if sampled else ())
@@ -277,15 +256,12 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     for name, law in scenario.model.laws().items():
         getattr(batch.fields(parameters["projectile"]), name)[:] = law
     densities = batch.fields(layers)
-    offers = tuple(
-        Offer(*pair, float(densities.rho_c[i]), float(densities.rho_B[i]))
-        for i, pair in enumerate(product(section.ceramic, section.backing))
-    )
+    pairs = zip(product(section.ceramic, section.backing), densities.rho_c, densities.rho_B, strict=True)
+    offers = tuple(Offer(*pair, float(of_ceramic), float(of_backing)) for pair, of_ceramic, of_backing in pairs)
     return Catalogue(
         scenario=scenario,
         section=section,
         threats=threats,
-        titles=titles,
         margins_m_s=np.array([threat.margin_m_s for threat in threats]),
         required=required,
         bounds=np.array([1.0 - EVEN if bound is None else bound for bound in bounds]),

@@ -8,7 +8,13 @@ from typing import Any, overload
 
 import numpy as np
 
-from armour.analysis.ballistic_limit import NeededFlowStress, confidence_in, needed_flow_stress, probability_by_tests
+from armour.analysis.ballistic_limit import (
+    NeededFlowStress,
+    confidence_in,
+    needed_flow_stress,
+    probability_by_tests,
+    probability_of_stopping,
+)
 from armour.analysis.estimates import Estimate
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.quantities import VERDICT
@@ -305,12 +311,7 @@ def check(
     scenario = scenario.requiring(probability)
     if cases is None:
         return check_of(scenario, on_progress)
-    return check_offers(read_offers(scenario, cases, tuple(keep)).offers, on_progress)
-
-
-def check_offers(offers: Sequence[Offer], on_progress: OnProgress = ignore_progress) -> CheckResults:
-    """Check armours on offer, without changes; the question of each result has its name and labels."""
-    results = []
+    results, offers = [], read_offers(scenario, cases, tuple(keep)).offers
     for offer in offers:
         results.append(check_of(offer.scenario, changes=False, needed=False, offer=offer))
         on_progress(1, len(offers))
@@ -336,12 +337,7 @@ def check_of(
     wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
         _checked(
-            row,
-            threat,
-            on_progress,
-            sample=bool(distributions) and not misplacements,
-            changes=changes,
-            needed=needed,
+            row, threat, on_progress, sample=bool(distributions) and not misplacements, changes=changes, needed=needed
         )
         for row, threat, misplacements in zip(rows, threats, wrongly_placed, strict=True)
     )
@@ -350,14 +346,11 @@ def check_of(
     limits = tuple(of_armour(section, dict(zip(OBJECTIVES, (areal_density, thickness, cost), strict=True))))
     verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
+    not_sampled = dict.fromkeys(note for each in wrongly_placed for note in each)
     notes = (
         *scenario.unused_impact(),
         *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
-        *(
-            dict.fromkeys(note for each in wrongly_placed for note in each)
-            if requires
-            else scenario.unused_distributions()
-        ),
+        *(not_sampled if requires else scenario.unused_distributions()),
     )
     title = scenario.subject(threats=scenario.threat)
     return CheckResult(
@@ -407,7 +400,7 @@ def _checked(
         reached = row.lowest_limits(reached)
     expected = expected_limit = result.expected_limit_m_s
     if error is not None and reached[0] != limit:
-        expected = float(row.expected_limits(reached)[0])
+        expected = float(row.shot_distributions(reached).quantile(0.5)[0])
     standing = Standing(
         float(reached[0]),
         expected,
@@ -420,10 +413,11 @@ def _checked(
     what_ifs = []
     for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
         changed = against.replaced(values)
-        known = (limit, error, result.reason) if VELOCITY in values else None  # the limit does not depend on it
-        found = confidence_in(row_of(changed), on_progress, known)
+        # The limit does not depend on the velocity.
+        found = result if VELOCITY in values else confidence_in(row_of(changed), on_progress)
         limits = found.ballistic_limit_m_s, found.expected_limit_m_s, found.interval_m_s
-        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, found.probability_of_stopping))
+        stopping = probability_of_stopping(changed, found.ballistic_limit_m_s, found.model_error)
+        what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
     if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))

@@ -60,9 +60,8 @@ def required_of(catalogue: Catalogue, rows: Variants) -> Required:
     a limit by the model of at least the velocity plus the margin.
     """
     count, errors = len(rows.velocities) // len(catalogue.threats), rows.errors
-    bounds, stated, margins = (
-        np.tile(values, count) for values in (catalogue.exact_bounds, catalogue.bounds, catalogue.margins_m_s)
-    )
+    of_threats = catalogue.exact_bounds, catalogue.bounds, catalogue.margins_m_s
+    bounds, stated, margins = np.tile(of_threats, count)
     known, needed = errors.known, rows.velocities + margins
     return Required(
         np.where(known, 0.0, needed),

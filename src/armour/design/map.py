@@ -64,17 +64,15 @@ def design_map(
 
 def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> tuple[Floats, Floats]:
     """Add thicknesses to a grid, mm: those on both sides of where the model error becomes known or unknown."""
-    scans = [
-        np.linspace(values[0], values[-1], EDGE_POINTS) if len(values) > 1 else values
-        for values in (ceramic_mm, backing_mm)
-    ]
+    grids = [ceramic_mm, backing_mm]
+    scans = [np.linspace(mm[0], mm[-1], EDGE_POINTS) if len(mm) > 1 else mm for mm in grids]
 
     def is_known(*thicknesses: Any) -> Any:
         ceramics, backings = np.broadcast_arrays(*map(np.atleast_1d, thicknesses))
         known = catalogue.against_each(catalogue.candidates(pair, ceramics.ravel(), backings.ravel())).errors.known
         return known.reshape(*ceramics.shape, -1).all(axis=-1) | catalogue.scenario.excludes_error()
 
-    tested, grids = is_known(scans[0][:, None], scans[1][None]), [ceramic_mm, backing_mm]
+    tested = is_known(scans[0][:, None], scans[1][None])
     for axis, values in enumerate(scans):
         changes = np.diff(tested.astype(int), axis=axis).astype(bool)
         for place in np.flatnonzero(changes.any(axis=1 - axis)):

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from armour.columns import column_of, columns_of
 from armour.csv_files import CsvRow, TableKind, TableRead, open_table, read_rows
-from armour.errors import InputError, Problem, choices, refuse
+from armour.errors import InputError, Problem, refuse
 from armour.foreign import Rows
 from armour.scenario.inputs import BACKING, CERAMIC, LAYERS, NAMES
 from armour.scenario.scenario import Scenario
@@ -46,11 +46,7 @@ def read_offers(
     labels = [key for key in keys.values() if key not in KEYS] or ["offer"]
     kind = TableKind("offer", (*LAYERS, PRICE), (*labels, *MATERIALS.values(), PLATE), usual=USUAL)
     source = open_table(table, lambda name: column_of(name, kind.keys).known, sheet, own=True)
-    refuse(
-        Problem(source.file, "keep", f'must name a column, found "{name}"{choices(name, source.header)}')
-        for name in keep
-        if name not in source.header
-    )
+    source.check_kept(keep)
     found = read_rows(source, kind, closed=False)  # each offer is checked by itself
     names = {column.key: name for name, column in zip(source.header, columns_of(source.header, kind.keys), strict=True)}
     if PLATE in names and MATERIALS[BACKING] not in names:
@@ -87,10 +83,8 @@ def _wrong_columns(names: Mapping[str, str]) -> Iterator[tuple[str, str]]:
         yield names[PLATE], f"must not be given with {names[MATERIALS[BACKING]]}, which names the metal too"
     for thickness, material in MATERIALS.items():
         if material in names and thickness not in names:
-            yield (
-                names[material],
-                f'must have its thickness in another column, such as "{names[material]} thickness (mm)"',
-            )
+            message = f'must have its thickness in another column, such as "{names[material]} thickness (mm)"'
+            yield names[material], message
     if not {*LAYERS} & {*names} and not {*MATERIALS.values()} & {*names}:
         yield "", f"must have the thickness of a layer in a column, such as {USUAL}"
 

@@ -198,9 +198,7 @@ class DesignResult(TableResult):
         return data_frame(self._columns(designs))
 
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:
-        columns = {
-            item.name: [getattr(design, item.name) for design in getattr(self, designs)] for item in fields(Design)
-        }
+        columns = {item.name: [getattr(each, item.name) for each in getattr(self, designs)] for item in fields(Design)}
         return columns | {"far_from_tests": list(map(", ".join, columns["far_from_tests"]))}
 
 
@@ -212,10 +210,7 @@ def armour_in_words(design: Design) -> str:
 
 @checked
 def optimise(
-    scenario: Scenario,
-    *,
-    probability: RequiredProbability | None = None,
-    on_progress: OnProgress = ignore_progress,
+    scenario: Scenario, *, probability: RequiredProbability | None = None, on_progress: OnProgress = ignore_progress
 ) -> DesignResult:
     """Find the best design of a scenario that stops its threats.
 
@@ -262,7 +257,7 @@ def optimise(
         notes += [*_at_the_ends(catalogue, pair, shown), *_changing(catalogue, changing)]
     return DesignResult(
         minimised=catalogue.section.minimise,
-        threats=catalogue.titles,
+        threats=tuple(threat.title for threat in catalogue.threats),
         best=None if reason else shown,
         reason=reason,
         nearest=shown if reason else None,
@@ -320,6 +315,7 @@ def as_results(designs: Designs, where: Ints) -> tuple[Design, ...]:
     """Return the designs at some places of a table as results."""
     catalogue, columns = designs.catalogue, designs.columns.at(where)
     offers = [catalogue.offers[pair] for pair in columns.pair]
+    costs = zip(columns.pair, columns.cost_per_m2.tolist(), strict=True)
     hulls_mm = columns.backing_mm * (not catalogue.scenario.counts_backing)
     hulls_kg_m2 = hulls_mm * MM * [offer.backing_density_kg_m3 for offer in offers]
     by_name = {
@@ -329,18 +325,14 @@ def as_results(designs: Designs, where: Ints) -> tuple[Design, ...]:
         "backing_thickness_mm": columns.backing_mm.tolist(),
         "areal_density_kg_m2": columns.areal_density_kg_m2.tolist(),
         "thickness_mm": columns.thickness_mm.tolist(),
-        "cost_per_m2": [
-            cost if catalogue.costed[pair] else None
-            for pair, cost in zip(columns.pair, columns.cost_per_m2.tolist(), strict=True)
-        ],
+        "cost_per_m2": [cost if catalogue.costed[pair] else None for pair, cost in costs],
         "untested": [catalogue.untested[pair] for pair in columns.pair],
         "whole_areal_density_kg_m2": (columns.areal_density_kg_m2 + hulls_kg_m2).tolist(),
         "whole_thickness_mm": (columns.thickness_mm + hulls_mm).tolist(),
         "margin_m_s": designs.margins_m_s(where).min(axis=1).tolist(),
-        "governing": [catalogue.titles[threat] for threat in designs.slack_m_s(where).argmin(axis=1)],
+        "governing": [catalogue.threats[place].title for place in designs.slack_m_s(where).argmin(axis=1)],
         "far_from_tests": [
-            tuple(dict.fromkeys(map(str, chain.from_iterable(by_threat))))
-            for by_threat in catalogue.far_from_tests(columns)
+            tuple(dict.fromkeys(map(str, chain(*by_threat)))) for by_threat in catalogue.far_from_tests(columns)
         ],
     }
     return tuple(Design(**dict(zip(by_name, values, strict=True))) for values in zip(*by_name.values(), strict=True))

@@ -114,9 +114,8 @@ def against_threat(
     reaches = margin_m_s >= threat.margin_m_s
     short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
     if threat.margin_m_s > 0.0:
-        rows.append(
-            Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, "passes" if reaches else short)
-        )
+        by_margin: Verdict = "passes" if reaches else short
+        rows.append(Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, by_margin))
     least, probability, interval = EVEN if bound is None else 1.0 - bound, standing.probability, None
     verdict: Verdict
     if probability is None:

@@ -172,10 +172,6 @@ class Fit(NamedTuple):
         freedom = self.degrees_of_freedom + len(deviations)
         return self._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
 
-    def without(self, where: Any) -> "Fit":
-        """Return the fit for a lot given its tests except for some, marked by True in a mask, (n,)."""
-        return self.own[0].lot.given(self.own[0].tests.at(~where))
-
     def probabilities_of_farther(self, tests: LotTests) -> Floats:
         """Return the probability, (n,), that each of n tests of the lot would lie farther from what the others predict.
 
@@ -300,11 +296,6 @@ class Posterior(NamedTuple):
         variance = self.widened_by * (before - (gain * covariance).sum(axis=1))
         variance += gain**2 @ self.variances - (gain @ self.shifts) ** 2
         return matrix @ lot.coefficients + gain @ (self.deviations - self.shifts), variance
-
-    @property
-    def confirmed(self) -> Any:
-        """Whether another test of the same armour confirms each test, (m,), 0 or 1."""
-        return confirmed(self.tests, self.tests.errors, self.tests.uncertainties**2)
 
     @property
     def coefficients(self) -> Floats:

@@ -4,6 +4,7 @@ Student's t distribution is computed by quadrature for one armour, as scipy is s
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import lgamma
 from typing import Any, NamedTuple
 
@@ -209,8 +210,15 @@ def _below(freedom: Floats, constants: Floats, angle: Floats) -> Floats:
 
 
 def _constants(freedom: Floats) -> Floats:
-    """Return the density at an angle of 0: Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi))."""
+    """Return the density at an angle of 0, see `_constant`, in the shape of the degrees of freedom."""
+    return np.reshape([_constant(each) for each in freedom.ravel().tolist()], freedom.shape)
+
+
+@lru_cache(1000)
+def _constant(freedom: float) -> float:
+    """Return Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi)), by its series if there are many."""
     half = 0.5 * freedom
+    if half < 100.0:
+        return float(np.exp(lgamma(half + 0.5) - lgamma(half)) / np.sqrt(np.pi))
     series = 1.0 - 1.0 / (8.0 * half) + 1.0 / (128.0 * half**2) + 5.0 / (1024.0 * half**3) - 21.0 / (32768.0 * half**4)
-    few = [np.exp(lgamma(x + 0.5) - lgamma(x)) if x < 100.0 else np.nan for x in half.ravel().tolist()]
-    return np.where(half < 100.0, np.reshape(few, half.shape), np.sqrt(half) * series) / np.sqrt(np.pi)
+    return float(np.sqrt(half) * series / np.sqrt(np.pi))

@@ -12,17 +12,9 @@ from armour.core.state import Parameters
 from armour.errors import mistake
 from armour.evidence.caveats import is_no_metal
 from armour.evidence.core_digest import changed_equations
-from armour.evidence.fit import is_same_armour, mixture_of
+from armour.evidence.fit import confirmed, is_same_armour, mixture_of
 from armour.evidence.mixture import Floats, Mixture
-from armour.evidence.tests import (
-    Armours,
-    Evidence,
-    Materials,
-    greatest_probability,
-    is_outside,
-    is_untested,
-    outside,
-)
+from armour.evidence.tests import Armours, Evidence, Materials, greatest_probability, is_outside, is_untested, outside
 from armour.scenario.checked import FloatOrArray, checked
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import SCATTER_KEYS
@@ -43,7 +35,6 @@ LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
 # Greatest tolerance of a ballistic limit to which the error of the tests applies, m/s: a small part of it.
 MAX_TOLERANCE_M_S = 1.0
-NO_TEST = "no test of such an armour is known"
 INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
@@ -286,47 +277,37 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
         scatters, parameters = _scatters_of(scenario, armours), np.zeros((1, len(LAW_FIELDS), count))
         return ErrorRows(repeated, parameters, scatters, np.ones(count))
-    as_at_normal = scenario.design is not None and scenario.design.angles_as_at_normal_incidence
-    laws = [
-        law
-        for evidence, rows in armours.by_evidence
-        for law in _laws_of(evidence, armours, rows, as_at_normal=as_at_normal)
-    ]
-    errors = ErrorRows.unknown(count, 1 + max((law.number for law in laws), default=0))
+    laws = [law for evidence, rows in armours.by_evidence for law in _laws_of(scenario, evidence, armours, rows)]
+    errors = ErrorRows.unknown(count, 1 + max((number for number, *_ in laws), default=0))
     errors.scatters[:] = _scatters_of(scenario, armours)
     errors.parameters[0] = law_of(armours.parameters)
-    for law in laws:
-        errors.ratio.weights[:, law.rows] = 0.0
-        errors.greatest[law.rows] = law.greatest
-    for law in laws:
-        errors.parameters[law.number][:, law.rows] = law.parameters
-        arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
-        for array, values in zip(arrays, law.ratio, strict=True):
-            array[law.number, law.rows] = values
+    for _, rows, _, _, greatest in laws:
+        errors.ratio.weights[:, rows] = 0.0
+        errors.greatest[rows] = greatest
+    arrays = (*errors.ratio[:4], np.asarray(errors.ratio.narrowed))
+    for number, rows, parameters, ratio, _ in laws:
+        errors.parameters[number][:, rows] = parameters
+        for array, values in zip(arrays, ratio, strict=True):
+            array[number, rows] = values
     return errors
 
 
-class LawOfRows(NamedTuple):
-    """A law by which ballistic limits of some of n armours are computed, and the model error by this law."""
-
-    number: int  # index among the laws of the armours; 0 is their own
-    rows: Any  # indices of the armours
-    parameters: Floats  # of the core, by field of `LAW_FIELDS`
-    ratio: tuple[
-        Any, ...
-    ]  # weights, locations, scales, degrees of freedom and factors of the scales, as of a `Mixture`
-    greatest: Any  # greatest probabilities of stopping that are stated for these armours
-
-
-def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: bool) -> Iterator[LawOfRows]:
+def _laws_of(
+    scenario: Scenario, evidence: Evidence, armours: Armours, rows: Any
+) -> Iterator[tuple[int, Any, Floats, tuple[Any, ...], Any]]:
     """Yield the laws for which evidence gives the model error of some of n armours, marked in the mask `rows`.
 
+    Each comes as its index among the laws of the armours, 0 for their own; the indices of the armours; its parameters,
+    by field of `LAW_FIELDS`; weights, locations, scales, degrees of freedom and factors of the scales, as of a
+    `Mixture`; and the greatest probabilities of stopping that are stated for these armours.
+
     With a ceramic, the law of the armour comes first; the flow stress by the others is in proportion to its own.
-    `as_at_normal` assumes that a limit at an angle is at least that at normal incidence.
+    The scenario may assume that a limit at an angle is at least that at normal incidence.
     """
     oblique = evidence.fails_angle(armours.cosines)
     # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
-    at_least_deg = 90.0 if evidence.ceramic and as_at_normal else evidence.at_least_deg
+    as_at_normal = evidence.ceramic and scenario.design and scenario.design.angles_as_at_normal_incidence
+    at_least_deg = 90.0 if as_at_normal else evidence.at_least_deg
     is_bounded = oblique & (armours.cosines >= cosine_of(at_least_deg))
     bare = () if evidence.ceramic else evidence.measured
     doubted = {tested.name: (tested.low, tested.high) for tested in bare if tested.name in DOUBTED}
@@ -348,7 +329,7 @@ def _laws_of(evidence: Evidence, armours: Armours, rows: Any, *, as_at_normal: b
                 of_law = by_own_law.with_law(changes)
                 locations, scales, narrowed = fit.predicted(of_law.quantities(), doubted)
                 ratio = fit.weight, locations, scales, fit.degrees_of_freedom, narrowed
-                yield LawOfRows(number, places[has_law], law_of(of_law.parameters), ratio, greatest[has_law])
+                yield number, places[has_law], law_of(of_law.parameters), ratio, greatest[has_law]
 
 
 def law_of(parameters: Parameters) -> Floats:
@@ -391,9 +372,8 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
         return None
     # `ratio` is given all tests and is relative to the limit by the model.  Leaving out the tests of this armour moves
     # its locations, law by law, as it moves those of the mixture.
-    given, others = (
-        mixture_of(each, q).one() for each in (evidence.fits, [fit.without(here) for fit in evidence.fits])
-    )
+    without = [fit.own[0].lot.given(fit.own[0].tests.at(~here)) for fit in evidence.fits]
+    given, others = (mixture_of(each, q).one() for each in (evidence.fits, without))
     predicted = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
     low, median, high = predicted.quantile((0.025, 0.5, 0.975)).tolist()
     limits = here & (tests.sides == 0.0)
@@ -402,7 +382,7 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
         limits_m_s=tuple(velocities.tolist()),
         uncertainties_m_s=tuple(tested["uncertainty_m_s"][limits].tolist()),
         shots=int((here & ~limits).sum()),
-        confirmed=bool(posterior.confirmed[here].all()),
+        confirmed=bool(confirmed(tests, tests.errors, tests.uncertainties**2)[here].all()),
         out_of_line=int(np.isin(np.flatnonzero(here), evidence.doubtful).sum()),
         others=int((~here).sum()),
         median_m_s=median,

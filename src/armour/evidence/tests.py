@@ -12,16 +12,7 @@ from armour.core.state import Parameters
 from armour.errors import Note, counted, joined
 from armour.evidence.caveats import caveats, is_no_metal
 from armour.evidence.core_digest import changed_equations
-from armour.evidence.fit import (
-    Fit,
-    LotTests,
-    Quantities,
-    fits,
-    law_parameters,
-    quantities,
-    same_rods,
-    shipped_data,
-)
+from armour.evidence.fit import Fit, LotTests, Quantities, fits, law_parameters, quantities, same_rods, shipped_data
 from armour.scenario.inputs import cosine_of
 from armour.scenario.library import (
     FLOW_STRESS_KEY,
@@ -61,8 +52,6 @@ LEAST_SOURCES = 2
 FALSE_ALARMS = 0.05
 # Number of standard deviations from the prediction for any lot beyond which an own test is a mistake.
 IMPLAUSIBLE = 6.0
-OF_NO_LOT = "an own test has a limit that no lot of such armour can have"
-NO_LAW = "no limit of its own tests says how exact the model is"
 # Number of differences that a ceramic instead of none counts for, more than all others together; relative size of
 # rounding errors.
 BY_CERAMIC, ROUNDING = 1000, 1e-6
@@ -120,11 +109,9 @@ class Evidence(NamedTuple):
     def differences(self, q: Quantities) -> Any:
         """Return in how many respects n armours differ from the tests; a ceramic instead of none outweighs the rest."""
         by_ceramic = BY_CERAMIC * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
-        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + self.has_other_law(q)
-
-    def has_other_law(self, q: Quantities) -> Any:
-        """Return whether the flow stress of the ceramic of n armours has none of the laws."""
-        return np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else q["path_ratio"] < 0.0
+        # The flow stress of the ceramic may have any of the laws.
+        by_law = np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else 0
+        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + by_law
 
     def holds(self, q: Quantities) -> Any:
         """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
@@ -152,14 +139,10 @@ def greatest_probability(evidence: Evidence, q: Quantities) -> Any:
     if evidence.lot:
         tested = evidence.fits[0].own[0].tests.quantities
         same = same_rods(q, tested)
-        own = [
-            DataRange(
-                data_range.name,
-                np.where(same, tested[data_range.name], np.inf).min(axis=1) * (1.0 - ROUNDING),
-                np.where(same, tested[data_range.name], 0.0).max(axis=1) * (1.0 + ROUNDING),
-            )
-            for data_range in evidence.thicknesses
-        ]
+        own = []
+        for name, *_ in evidence.thicknesses:
+            low, high = np.where(same, tested[name], np.inf).min(axis=1), np.where(same, tested[name], 0.0).max(axis=1)
+            own.append(DataRange(name, low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)))
         distance = np.where(same.any(axis=1), np.minimum(distance, np.log(farthest(own, q))), distance)
     return (1.0 - FALL * distance).clip(min=0.0)
 
@@ -224,11 +207,6 @@ def tests_of_tiles() -> Evidence:
 def nearest_shipped(q: Quantities) -> Any:
     """Return the index of the shipped tests that are closest to each of n armours, (n,)."""
     return np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
-
-
-def shipped_evidence_of(fit: str) -> Evidence:
-    """Return the tests that a fit is based on."""
-    return next(tests for tests in shipped_evidence() if fit in [shipped_fit.name for shipped_fit in tests.fits])
 
 
 class Materials(NamedTuple):
@@ -308,17 +286,20 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     It holds for armours with the calibrated values.  It has no fit if the entry must be calibrated again.
     """
     if not own_tests.law:
-        return Evidence(source=own_tests.reason or NO_LAW, lot=entry.name)
+        reason = own_tests.reason or "no limit of its own tests says how exact the model is"
+        return Evidence(source=reason, lot=entry.name)
     from scipy.special import softmax  # slow to import
 
     tested = {name: np.array(column) for name, column in own_tests.tests.items()}
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
-    shipped = shipped_evidence_of(own_tests.law[0].fit)
+    # The tests that the fit is based on.
+    shipped = next(each for each in shipped_evidence() if own_tests.law[0].fit in [fit.name for fit in each.fits])
     by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
     distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
     if (distances > IMPLAUSIBLE).any():
         doubtful = np.flatnonzero(distances > IMPLAUSIBLE)
-        return Evidence(source=OF_NO_LOT, lot=entry.name, doubtful=tuple(doubtful.tolist()))
+        reason = "an own test has a limit that no lot of such armour can have"
+        return Evidence(source=reason, lot=entry.name, doubtful=tuple(doubtful.tolist()))
     is_strange = is_outside(_kept_kind(shipped, own_tests), tested).any()
     between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
     lots = [(fit.of_lot(between_lots, level), tests) for fit, tests, level in by_law]
@@ -348,9 +329,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
 def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
     """Return the kind of armour of the shipped tests, without the ranges of calibrated quantities."""
-    return tuple(
-        data_range for data_range in shipped.kind if data_range.name not in ("tensile_ratio", *own_tests.calibrated)
-    )
+    return tuple(each for each in shipped.kind if each.name not in ("tensile_ratio", *own_tests.calibrated))
 
 
 def _ranges_with(
@@ -362,18 +341,13 @@ def _ranges_with(
     `is_new`, there are no shipped tests of the ceramic, and the armour must be like that of the own tests.
     """
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
-    kind, measured = (
-        tuple(data_range.containing(columns[data_range.name]) for data_range in ranges)
-        for ranges in (_kept_kind(shipped, own_tests), shipped.measured)
-    )
+    both = _kept_kind(shipped, own_tests), shipped.measured
+    kind, measured = (tuple(each.containing(columns[each.name]) for each in ranges) for ranges in both)
     if is_new:
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
-        alike = (
-            DataRange(data_range.name, data_range.low / ALIKE_FACTOR, data_range.high * ALIKE_FACTOR)
-            for data_range in around[2:]
-        )
-        kind = (*alike, *(data_range for data_range in kind if data_range.name.startswith("rod_")))
-        measured = (*around[:2], *(data_range for data_range in measured if data_range.name.startswith("rod_")))
+        alike = (DataRange(each.name, each.low / ALIKE_FACTOR, each.high * ALIKE_FACTOR) for each in around[2:])
+        kind = (*alike, *(each for each in kind if each.name.startswith("rod_")))
+        measured = (*around[:2], *(each for each in measured if each.name.startswith("rod_")))
     calibrated = (DataRange(n, v - ROUNDING * abs(v), v + ROUNDING * abs(v)) for n, v in own_tests.calibrated.items())
     # Beyond the angles of the shipped tests, own tests hold for their own angle only.
     paths = DataRange("path_ratio", np.inf, -np.inf).containing(tested["path_ratio"])
@@ -426,9 +400,8 @@ def lacks_sources(ceramic: LibraryEntry) -> bool:
     """
     if ceramic.sources >= LEAST_SOURCES:
         return False
-    strength, in_backing, in_product, *slopes = (
-        ceramic[key] if key in ceramic.values else 0.0 for key in (FLOW_STRESS_KEY, *FLOW_STRESS_LAW)
-    )
+    numbers = (ceramic[key] if key in ceramic.values else 0.0 for key in (FLOW_STRESS_KEY, *FLOW_STRESS_LAW))
+    strength, in_backing, in_product, *slopes = numbers
     values = np.array([strength, in_backing, in_product, sum(map(abs, slopes))])
     q = dict(zip((OF_CERAMIC[2], "backing_exponent", "product_exponent", "slopes"), values, strict=True))
     if ceramic.evidence is not None:
@@ -449,9 +422,7 @@ def is_unusual(armour: Parameters) -> Any:
     """
     q = quantities(armour, np.nan, np.ones(np.shape(armour.D0)))
     is_far: dict[tuple[bool, str], Any] = {}
-    ranges = {
-        (bool(evidence.ceramic), data_range) for evidence in shipped_evidence() for data_range in evidence.compared
-    }
+    ranges = {(bool(each.ceramic), compared) for each in shipped_evidence() for compared in each.compared}
     for has_ceramic, data_range in ranges:
         key = has_ceramic, data_range.name
         is_far[key] = is_far.get(key, True) & (data_range.factor(q) > UNUSUAL_FACTOR)
@@ -510,9 +481,8 @@ def what_was_tested(impact: Impact, armours: Armours) -> Tested:
     ranges = [*evidence.kind, *evidence.measured]
     diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
     roles = {each.name.partition("_")[0] for each in ranges if each.name not in LAYERS and each.factor(q)[0] > FAR}
-    thicknesses_mm = {
-        LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in ranges if each.name in LAYERS
-    }
+    layers = [each for each in ranges if each.name in LAYERS]
+    thicknesses_mm = {LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in layers}
     others = []
     for name, tested, role, with_it in (
         (armours.materials[0].backing.name, evidence.metal, "backing", "on"),
@@ -565,11 +535,6 @@ def scenario_warnings(scenario: Scenario, armours: Armours | None = None, *, sai
     return (*(note if said else replace(note, said="") for note in cannot), *scenario.unused_threats(), *strengths)
 
 
-def _named(titles: Sequence[str], places: Sequence[int]) -> str:
-    """Return words, such as " against M2", for the threats at some places; "" for all of them."""
-    return f" against {joined([titles[place] for place in places])}" if len(places) < len(titles) else ""
-
-
 def against_each(
     titles: Sequence[str], by_threat: Iterable[Iterable[tuple[Note, Any]]]
 ) -> Iterator[tuple[Note, list[Any]]]:
@@ -584,7 +549,8 @@ def against_each(
             found.setdefault(note.about, []).append((place, note, mask))
     for each in found.values():
         places, notes, masks = zip(*each, strict=True)
-        yield notes[0].against(_named(titles, places)), list(masks)
+        threats = f" against {joined([titles[place] for place in places])}" if len(places) < len(titles) else ""
+        yield notes[0].against(threats), list(masks)
 
 
 def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
@@ -596,7 +562,6 @@ def threat_warnings(scenario: Scenario, armours: Armours) -> Iterator[Note]:
     titles, backings = [threat.title for threat in threats], [materials.backing for materials in armours.materials]
     each = [armours] if len(threats) == 1 else [armours.at([place]) for place in range(len(threats))]
     by_threat = (limits_of_model(armour, backings) for armour in each)
-    for note, _ in against_each(titles, by_threat):
-        yield note
+    yield from (note for note, _ in against_each(titles, by_threat))
     own = armours.materials[armours.material_of_row[0]].backing
     yield from strength_notes([own], bare=bool(np.all(armours.parameters.Hc0 == 0.0)))

@@ -111,7 +111,7 @@ def _subject(catalogue: Catalogue) -> str:
     layers = catalogue.section.ceramic, catalogue.section.backing
     materials = (" or ".join(dict.fromkeys(layer.material for layer in options)) for options in layers)
     armour = " on ".join(filter(None, materials))
-    return f"{armour} against {' and '.join(catalogue.titles)}"
+    return f"{armour} against {' and '.join(threat.title for threat in catalogue.threats)}"
 
 
 def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
@@ -273,7 +273,7 @@ def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
     ceramic_mm, notes = designs.candidates.ceramic_mm, []
     against = (rows.armours.at(slice(threat, None, threats)) for threat in range(threats))
     by_threat = (limits_of_model(armours, [rows.materials[0].backing]) for armours in against)
-    for note, masks in against_each(catalogue.titles, by_threat):
+    for note, masks in against_each([threat.title for threat in catalogue.threats], by_threat):
         most_mm = max(float(ceramic_mm[mask].max()) for mask in masks)
         notes += [(note.text, most_mm)] if note.said != "not known" else []
     if len({offer.backing.material for offer in catalogue.offers}) > 1 and ceramic_mm.any():

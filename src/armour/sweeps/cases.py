@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from armour import csv_files
 from armour.columns import Column, column_of
-from armour.errors import Problem, choices, counted, listed, mistake, refuse, restated
+from armour.errors import Problem, counted, listed, mistake, refuse, restated
 from armour.files import csv_value, shell_line
 from armour.foreign import Rows
 from armour.scenario.checked import is_name, is_number, several
@@ -31,8 +31,6 @@ MAX_CASES = 1_000_000
 MAX_COMBINATIONS = 10**18
 # Greatest length of the name of a projectile or material.
 MAX_NAME = 200
-# Number of characters of an invalid value that a message shows.
-MAX_VALUE_SHOWN = 60
 # Keys whose columns may have other names and units.
 CASE_KEYS = (*INPUTS, *NAMES.values())
 
@@ -105,11 +103,7 @@ class SweepCases:
             Column(name, known=False) if name in keep else column if column.factor else Column(name)
             for name, column in named
         ]
-        refuse(
-            Problem(self.file, "keep", f'must name a column, found "{name}"{choices(name, source.header)}')
-            for name in keep
-            if name not in source.header
-        )
+        source.check_kept(keep)
         names = tuple(column.key for column in columns)
         self.kept = tuple(name for name in names if name in keep)
         self.keys = tuple(name for name in names if name not in keep)
@@ -128,10 +122,8 @@ class SweepCases:
         wrong = [(place, cells) for place, cells in lines if len(cells) != len(names)]
         refuse(Problem(self.file, place, csv_files.wrong_width(cells, names)) for place, cells in wrong)
         source.check_marks(self._places)
-        cells = zip(*(cells for _, cells in lines), strict=True)
-        self._columns = {
-            column.key: _read(column, self._places, texts, source) for column, texts in zip(columns, cells, strict=True)
-        }
+        texts_of = zip(columns, zip(*(cells for _, cells in lines), strict=True), strict=True)
+        self._columns = {column.key: _read(column, self._places, texts, source) for column, texts in texts_of}
         source.refuse()
         content = sha256()
         for key, column in ((key, self._columns[key]) for key in self.keys):
@@ -158,9 +150,9 @@ def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: c
     """Return the cells of a column as numbers or names, (n,); mistakes are recorded in the source."""
     key, values = column.key, list[Any]()
     if key in NAMING or not column.known:
-        values = [_name(cell, least=1 if column.known else 0) for cell in cells]
-        for place, cell, value in zip(places, cells, values, strict=True):
-            if value is None:
+        values = [*map(csv_value, cells)]
+        for place, cell, name in zip(places, cells, values, strict=True):
+            if len(name) > MAX_NAME or (column.known and not name):
                 source.wrong(f"{place}: {key}", f'must be a name, found "{cell[:40]}"')
     elif key not in CASE_KEYS and any(cells) and not any(map(csv_files.is_number, cells)):
         found = f'must be a key of numbers, found "{next(filter(None, cells))[:40]}"'
@@ -172,12 +164,6 @@ def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: c
 
 def _is_key(name: str) -> bool:
     return column_of(name, CASE_KEYS).known or re.match(r"[a-z_]+\.[^\s\d]", name) is not None
-
-
-def _name(cell: str, least: int) -> str | None:
-    """Return the name in a cell; None if it has fewer than `least` or too many characters."""
-    name = csv_value(cell)
-    return name if least <= len(name) <= MAX_NAME else None
 
 
 def axis_of(text: str) -> Axis:
@@ -194,15 +180,13 @@ def axis_of(text: str) -> Axis:
     cells = values.split(":" if is_range else ",")
     numbers = [value for cell in cells if (value := csv_files.number(cell)) is not None]
     if len(numbers) < len(cells) or (is_range and len(numbers) != 3):
-        message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:MAX_VALUE_SHOWN]}"'
+        message = f'must be MIN:MAX:STEP or VALUE,VALUE,... of finite numbers, found "{values[:60]}"'
         raise mistake("sweep", f"over {key}", message)
     return axis(key, dict(zip(("min", "max", "step"), numbers, strict=True)) if is_range else numbers)
 
 
 def source_of(
-    over: Mapping[str, object] | None,
-    cases: str | PathLike[str] | Rows | None = None,
-    keep: Sequence[str] = (),
+    over: Mapping[str, object] | None, cases: str | PathLike[str] | Rows | None = None, keep: Sequence[str] = ()
 ) -> Grid | SweepCases:
     """Return the rows of a sweep: a grid, or cases if they are given."""
     if (over is None) == (cases is None):

@@ -26,7 +26,7 @@ from armour.design.check import evaluated
 from armour.design.requirements import VERDICTS
 from armour.engine.changes import changed_names
 from armour.errors import InputError, Note, Problem, choices, counted, duration, mistake, refuse
-from armour.files import reason, shipped
+from armour.files import finite, reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -130,10 +130,7 @@ class SweepResult(TableResult):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the columns as lists by name; a quantity without a value is None."""
-        return {
-            name: [None if value != value else value for value in values.tolist()]
-            for name, values in self.columns.items()
-        }
+        return {name: finite(values.tolist()) for name, values in self.columns.items()}
 
     def _columns(self) -> Mapping[str, Any]:
         return self.columns
@@ -215,11 +212,7 @@ def sweep(
 
 
 def sweep_in_memory(
-    scenario: Scenario,
-    source: Grid | SweepCases,
-    quantities: Sequence[str],
-    threads: int | None,
-    most: int,
+    scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str], threads: int | None, most: int
 ) -> SweepResult:
     """Compute quantities of a scenario for every row of a source, at most ``most``, as `sweep` without a file."""
     if source.count > most:
@@ -376,9 +369,8 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
 def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
     """Return warnings of unused threats, and of quantities that need an excluded model error."""
     of_impact = [name for name in quantities if name != VERDICT]
-    without_value = [
-        name for name in of_impact if "uncertainty.model" in QUANTITIES[name].reads and scenario.excludes_error()
-    ]
+    excluded = of_impact if scenario.excludes_error() else ()
+    without_value = [name for name in excluded if "uncertainty.model" in QUANTITIES[name].reads]
     return [
         *(map(str, scenario.unused_threats()) if {*reads_of(of_impact)} - {*OF_WEIGHT} else ()),
         *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),

@@ -48,9 +48,8 @@ class Prediction:
         """Return the prediction with its errors, given limits of tests, (tests,), m/s, as measured and predicted."""
         errors = 100.0 * np.abs(predicted / measured - 1.0)
         out = None if left_out is None else float(100.0 * np.abs(left_out / measured - 1.0).mean())
-        return replace(
-            self, mean_percent=float(errors.mean()), largest_percent=float(errors.max()), left_out_percent=out
-        )
+        mean, largest = float(errors.mean()), float(errors.max())
+        return replace(self, mean_percent=mean, largest_percent=largest, left_out_percent=out)
 
 
 @dataclass(frozen=True, repr=False)

@@ -21,7 +21,6 @@ HEAD = """\
 """
 LIMIT, PROBABILITY = "ballistic_limit_m_s", "probability_of_stopping"
 BANDS: dict[str, dict[str, Any]] = {LIMIT: {"band": 0.5}, PROBABILITY: {"band": 0.005}}
-BAND_OF_BEST = {"band_percent": 0.1}
 # Keys of an impact on which the ballistic limit depends.
 ROUND = [key for key in THREAT_KEYS if key != "velocity_m_s"]
 
@@ -56,7 +55,7 @@ def _questions(scenario: Scenario) -> Iterator[tuple[str, str, Scenario, Sequenc
 
 def _case(name: str, words: str, quantity: str, asked: Scenario, keys: Sequence[str]) -> dict[str, Any]:
     """Return the table of a case in the suite's file, with the keys of the impact that it sets."""
-    judged = BANDS.get(quantity, BAND_OF_BEST)
+    judged = BANDS.get(quantity, {"band_percent": 0.1})
     try:
         answer(quantity, Subject(asked))
     except NoAnswerError as error:

@@ -18,7 +18,7 @@ from armour.statistics.measured import LIMIT
 from armour.units import MM
 from armour.validation.formulas import along_fire_kg_m2
 
-# Largest relative difference of ballistic limits that are alike, and of cores in diameter, mass and density.
+# Largest relative difference of cores that are alike in diameter, mass and density.
 ALIKE_PART = 0.1
 # Wilkins' tests as the paper's suite names them.
 COMPARED_TESTS = "table 3, Wilkins' measurements"
@@ -63,10 +63,6 @@ class MeasuredArmour:
     projectile: str
     areal_density_kg_m2: float
     ballistic_limit_m_s: float
-
-    def is_near(self, limit_m_s: float) -> bool:
-        """Return whether the measured limit is within 10 % of another one, m/s."""
-        return abs(self.ballistic_limit_m_s / limit_m_s - 1.0) <= ALIKE_PART
 
 
 def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmour, ...]:

@@ -3,7 +3,7 @@
 import codecs
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isclose, isnan, sqrt
+from math import isnan, sqrt
 from os import PathLike
 from typing import Any, Literal
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
+from armour.design.against import is_same
 from armour.errors import NoAnswerError
 from armour.files import named
 from armour.scenario.checked import checked
@@ -294,16 +295,9 @@ def _calibrated_to(case: Case) -> str:
             continue
         for key, value in entry.values.items():
             for test in value.tests:
-                if case.quantity in test and all(_equal(cell, values.get(name)) for name, cell in test.items()):
+                if case.quantity in test and all(is_same(cell, values.get(name)) for name, cell in test.items()):
                     return f"not scored: {key} of {entry.name} was calibrated to this test"
     return ""
-
-
-def _equal(tested: float | str, value: object) -> bool:
-    """Return whether the values of a test and of a case are equal, numbers to a relative difference of 1e-6."""
-    if isinstance(tested, int | float) and isinstance(value, int | float):
-        return isclose(tested, value, rel_tol=1e-6)
-    return tested == value
 
 
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
