@@ -54,7 +54,8 @@ docs: $(VENV)/developing
 	$(BIN)/python tools/notebook.py docs/study.ipynb
 	$(BIN)/python -m tools.pictures
 	$(BIN)/python -m tests.cli.test_docs
-	$(BIN)/armour figures docs/figures --force
+	$(BIN)/armour figures docs/figures --only fig09 --force
+	$(BIN)/armour figures docs/figures --only parity --force
 	rm docs/figures/*.csv
 
 # Run the benchmarks and write the tables of docs/performance.md: some minutes.
