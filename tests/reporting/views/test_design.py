@@ -8,6 +8,7 @@ from armour.design.optimise import DesignResult, optimise
 from armour.reporting.by_result import in_a_line
 from armour.reporting.scenario_report import scenario_report
 from armour.reporting.table import Table
+from armour.reporting.views import design as view
 from armour.reporting.views.design import chance_text, nearly_as_good, pair_table, tables_of_check, tables_of_design
 from armour.reporting.words import chance, needed_flow_stress
 from tests.design.results import best_design, best_of, design, design_result
@@ -119,3 +120,8 @@ def test_pairs_have_their_best_design_or_the_nearest_and_the_verdict_on_it():
         ("AD99.5 on 6061-T6", "FAILS"),
     ]
     assert notes[0] == "* by the model, without tests"
+
+
+def test_the_next_step_is_without_settings_that_the_tests_were_not_computed_with():
+    checked = check(scenario().replaced({"solver.time_step_us": 0.1}))
+    assert view.next_step(checked) == ("", "without solver.time_step_us = 0.1, tests may tell")

@@ -12,6 +12,7 @@ from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, d
 from armour.design.optimise import Design, DesignResult, Pair, armour_in_words
 from armour.design.requirements import GOOD, VERDICTS, Verdict
 from armour.errors import counted
+from armour.evidence.model_error import other_settings
 from armour.reporting import words as phrases
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -243,7 +244,9 @@ def next_step(result: CheckResult) -> tuple[str, str]:
         return "", "without --by-model or uncertainty.model.included = false, tests may tell"
     error = threat.model_error
     if result.verdict in ("not known", "stopped by the model"):
-        return "", "own tests decide: fire a V50 of this armour, then armour calibrate"
+        settings = "" if error is not None else other_settings(result.question["scenario"])
+        own = "own tests decide: fire a V50 of this armour, then armour calibrate"
+        return "", f"without {settings}, tests may tell" if settings else own
     if error is not None and error.tests_here is not None and len(error.tests_here.limits_m_s) == 1:
         return "", "a second V50 of this armour narrows it: armour calibrate"
     return "optimise", ""
