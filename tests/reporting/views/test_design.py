@@ -123,5 +123,5 @@ def test_pairs_have_their_best_design_or_the_nearest_and_the_verdict_on_it():
 
 
 def test_the_next_step_is_without_settings_that_the_tests_were_not_computed_with():
-    checked = check(scenario().replaced({"solver.time_step_us": 0.1}))
+    checked = check(scenario(velocity=500.0).replaced({"solver.time_step_us": 0.1}))
     assert view.next_step(checked) == ("", "without solver.time_step_us = 0.1, tests may tell")
