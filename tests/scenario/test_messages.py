@@ -48,8 +48,6 @@ armour.layer = [{ name = "glue", place = "front", thickness_mm = 1.0 }]
     armour.layer[0].areal_density_kg_m2: is missing
 design = { scatter_percent = 1.5, scatter_source = "ours" }
     design.scatter_percent: must be at least 2.5, or be given in an entry of the library with an own firing of 36 shots
-design = { scatter_percent = 80.0, scatter_source = "ours" }
-    design.scatter_percent: must be at most 50, found 80.0
 design.scatter_percent = 4.0
     design: must have scatter_percent and scatter_source, or neither
 model.shear_perimeter = "cone"
@@ -58,8 +56,6 @@ value = 1
     value: unknown key; choose from title, author, project, date, impact, armour, model, solver, ballistic_limit,
 title = "a\u001b[31m"
     title: must be one line of printable text, found "a\u001b[31m"
-impct.x = 1
-    impct: unknown key; did you mean "impact"?
 impact = 3
     impact: must be a table, found 3
 impact.projectile = "7.62 mm"
@@ -82,8 +78,6 @@ ballistic_limit.velocity_min_m_s = 5000
     ballistic_limit.velocity_max_m_s: must be above velocity_min_m_s, which is 5000, found 4000
 optimise.ceramic_thickness_mm = { min = 3, max = 2, step = 0.1 }
     optimise.ceramic_thickness_mm.max: must be at least min, which is 3, found 2
-optimise.ceramic_thickness_mm = { min = 2, max = 3, step = 0 }
-    optimise.ceramic_thickness_mm.step: must be greater than 0, found 0
 optimise.ceramic_thickness_mm = { min = 2, max = 3, step = 1e-9 }
     optimise.ceramic_thickness_mm: must contain at most 100000 values, found 1e+09; widen the step
 optimise.ceramic_thickness_mm = { min = -2, max = 3, step = 1 }
@@ -102,12 +96,8 @@ uncertainty.samples = 200.5
     uncertainty.samples: must be a whole number, found 200.5
 uncertainty.samples = 1000
     uncertainty.samples: must be a power of 2 for Sobol' points, such as 1024, found 1000
-uncertainty.impact.velocity_m_s = { distribution = "normal" }
-    uncertainty.impact.velocity_m_s: must have standard_deviation or standard_deviation_percent, and not both
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1, standard_deviation_percent = 1 }
     uncertainty.impact.velocity_m_s: must have standard_deviation or standard_deviation_percent, and not both
-uncertainty.impact.velocity_m_s = { distribution = "uniform", min = 1.0 }
-    uncertainty.impact.velocity_m_s: a uniform distribution must have min and max, and nothing else
 uncertainty.impact.velocity_m_s = { distribution = "uniform", min = 1.0, max = 2.0, mean = 1.5 }
     uncertainty.impact.velocity_m_s: a uniform distribution must have min and max, and nothing else
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1.0, min = 3.0, max = 2.0 }
@@ -135,8 +125,6 @@ library = []
     library: must be a table, found a list
 library.files = "a.toml"
     library.files: must be a list, found the text "a.toml"
-library.ceramic.a = { based_on = "AD85", flow_stress_GPa = -1 }
-    library.ceramic.a.flow_stress_GPa: must be at least 0.001, found -1
 library.ceramic.a = { based_on = "AD85", flow_stress_product_exponent = 3.1 }
     library.ceramic.a.flow_stress_product_exponent: must be at most 3, found 3.1
 library.metal.m = { based_on = "6061-T6", flow_stress_backing_slope = -0.5 }
