@@ -228,12 +228,6 @@ def test_a_wrong_argument_is_refused_by_name(name: str, given: object):
         getattr(armour, name)(*arguments)
 
 
-def test_a_name_in_place_of_a_scenario_may_be_read():
-    message = 'simulate: scenario: must be a Scenario, found the text "wilkins"; load_scenario makes one'
-    with pytest.raises(armour.InputError, match=re.escape(message)):
-        armour.simulate("wilkins")  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("name", ["load_scenario", "load_suite", "parse_scenario"])
 @pytest.mark.parametrize("given", [None, 5, [1]])
 def test_a_wrong_path_or_mapping_is_refused(name: str, given: object):

@@ -1,7 +1,6 @@
 import gc
 import os
 import re
-import shlex
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -180,14 +179,7 @@ def test_no_text_in_a_table_is_a_formula_whatever_divides_its_cells():
             assert not re.search('(^|;"*)=', csv_cell(text))
 
 
-def test_a_command_line_is_one_printable_line_that_a_shell_reads_again():
-    names = ["a b", "it's\\", "$x", "é", "*", '"']
-    assert shlex.split(shell_line(names)) == names
-    for name in ("x\n::error::y", "\x1b[31m7", "caf\udce9", "\u202ea"):
-        assert shell_line([name]).isprintable()
-
-
-NAMES = ("a b", "x\n::error::y", "\x1b[31m7", "caf\udce9", "it's\\\r", "\u202ea", "\u00a0", "$'x'\t1", "é\n7")
+NAMES = ("a b", '$x*"', "x\n::error::y", "\x1b[31m7", "caf\udce9", "it's\\\r", "\u202ea", "\u00a0", "$'x'\t1", "é\n7")
 
 
 @pytest.mark.parametrize("name", NAMES, ids=ascii)

@@ -33,10 +33,6 @@ def test_quantities_of_an_impact_are_those_of_its_result(name: str, velocity: fl
     assert value(name, of) == getattr(simulate(of), name)
 
 
-def test_the_ballistic_limit_is_that_of_a_single_search():
-    assert value("ballistic_limit_m_s", scenario()) == ballistic_limit(scenario()).ballistic_limit_m_s
-
-
 @pytest.mark.parametrize("ceramic", ["AD85", "SiC"])
 def test_the_expected_limit_is_that_given_the_tests(ceramic: str):
     found, known = number("expected_limit_m_s", scenario(ceramic=ceramic)), ceramic == "AD85"

@@ -55,13 +55,6 @@ def test_warnings_in_json_are_those_printed(cli):
     assert whole.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
 
 
-def test_a_confidence_is_designed_for(cli):
-    args = ("optimise", "panel")
-    best = json.loads(cli(*args, "--probability", 0.9, "--json").stdout)["best"]
-    assert 0.9 <= best["check"]["threats"][0]["probability_of_stopping"] < 0.91
-    assert best["areal_density_kg_m2"] > json.loads(cli(*args, "--json").stdout)["best"]["areal_density_kg_m2"]
-
-
 def test_a_saved_design_is_checked_as_it_was_found(cli, folder: Path):
     """Materials and thicknesses of the design are saved; changes, such as costs, stay."""
     plate = "design.backing=[{ material = '7075-T6', thickness_mm = [8, 9], cost_per_kg = 9 }]"

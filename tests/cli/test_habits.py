@@ -1,4 +1,4 @@
-"""What every command has: changes, standard input, lines in messages, examples that run, a schema, plain colours."""
+"""What every command has: changes, standard input, examples that run, a schema, plain colours."""
 
 import inspect
 import json
@@ -65,14 +65,6 @@ def test_standard_input(cli):
 def test_bytes_that_are_no_text(cli):
     done = cli("simulate", "-", stdin=b'a = "\xff"')
     assert (done.exit_code, done.stderr) == (2, "standard input: must be UTF-8 text, found the byte 0xff at 5\n")
-
-
-def test_mistakes_are_told_with_their_lines(cli, folder: Path):
-    text = WILKINS.read_text().replace("velocity_m_s = 800.0", "velocity_m_s = -800.0")
-    (folder / "a.toml").write_text(text)
-    line = text.splitlines().index("velocity_m_s = -800.0") + 1
-    [told] = cli.fails(2, "simulate", "a.toml")
-    assert told == f"a.toml: impact.velocity_m_s: must be at least 10, found -800.0 (line {line})"
 
 
 def test_no_colour_where_none_is_wanted(cli, monkeypatch: pytest.MonkeyPatch):

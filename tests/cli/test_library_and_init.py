@@ -8,13 +8,9 @@ from armour.files import shipped_suites, shipped_tests
 from tests.helpers.cases import SCENARIOS
 
 
-def test_the_library_as_json(cli):
-    data = json.loads(cli("library", "--json").stdout)
-    assert data["ceramic"]["AD85"]["flow_stress_GPa"]["value"] == 5.2
-
-
 def test_a_kind_of_entries(cli):
     data = json.loads(cli("library", "--json").stdout)
+    assert data["ceramic"]["AD85"]["flow_stress_GPa"]["value"] == 5.2
     metals = json.loads(cli("library", "metals", "--json").stdout)
     assert metals.pop("made_by") == {**data["made_by"], "command": "armour library metals --json"}
     assert metals == {"metal": data["metal"]}

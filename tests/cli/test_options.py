@@ -10,7 +10,6 @@ import typer
 import armour
 from armour.cli import experiments, scenario_commands
 from armour.cli.app import app
-from armour.cli.options import parsed_number, parsed_share
 
 COMMANDS = [scenario_commands.optimise, experiments.v50, experiments.calibrate, experiments.plan_shots]
 
@@ -37,18 +36,6 @@ def test_completion_offers_the_words_of_a_choice(command: Any):
         kinds = [kind for kind in (hint, *get_args(hint)) if get_origin(kind) is Literal]
         if words := [word for kind in kinds for word in get_args(kind)]:
             assert [*options[name].default.autocompletion()] == words
-
-
-def test_words_that_are_numbers_become_numbers():
-    """They are those that tables read; a sign of per cent goes with a share, which it divides by 100."""
-    assert [parsed_number(text) for text in ("5", "-0.5", "95%", "5 m")] == [5, -0.5, "95%", "5 m"]
-    assert [parsed_share(text) for text in ("0.95", "95%", "99.9%", "0.95 %", "9_5%")] == [
-        0.95,
-        0.95,
-        0.999,
-        0.0095,
-        "9_5%",
-    ]
 
 
 def parameters(command: Any) -> Iterator[Any]:

@@ -81,6 +81,9 @@ def test_each_lot_is_closed(cli, folder: Path):
     assert line.startswith("t.csv: lot B: gunner: is not read and divides the shots: Jones (4 shots), Smith (1 shot)")
     shown = cli("v50", "t.csv", "--each", "lot", "--ignore", "gunner").stdout
     assert "V50 not found to differ: lot B minus lot A" in shown
+    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n700,P,a\n720,C,\n")
+    [line] = cli.fails(2, "v50", "t.csv", "--each", "Kiln")
+    assert line == "t.csv: Kiln: must be filled in every row that counts, found blank cells in line 3"
 
 
 def test_a_suite_takes_each_test_by_itself_and_quotes_remarks(cli, folder: Path):
@@ -198,16 +201,3 @@ def test_a_sheet_with_only_a_header_is_a_firing_without_shots(cli, folder: Path)
     (folder / "t.csv").write_text("velocity_m_s,result\n")
     assert cli.fails(2, "v50", "t.csv") == ["t.csv: must have at least one row below its header"]
     assert cli.fails(2, "v50", "t.csv", "wilkins", "--prior") == ["t.csv: must have at least one shot, found none"]
-
-
-def test_two_lots_are_compared_at_one_level(cli, folder: Path):
-    """Any column may tell the lots apart; an end of an interval that the shots do not bound is named."""
-    shots = [(700, "P"), (710, "P"), (715, "C"), (720, "P"), (725, "C"), (730, "C"), (722, "P"), (735, "C")]
-    rows = [f"{v + by},{word},{name}\n" for name, by in (("old", 0), ("new", 60)) for v, word in shots]
-    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n" + "".join([*rows, "700,P,short\n", "720,C,short\n"]))
-    shown = " ".join(cli("v50", "t.csv", "--each", "kiln").stdout.split())
-    assert "V50 differs: Kiln new minus Kiln old +60 m/s, 95 % interval 8 to 112, p = 0.045" in shown
-    assert "Kiln short: V50 710 m/s (50 % between 703 and 717; 95 % is not bounded)" in shown
-    (folder / "t.csv").write_text("velocity_m_s,result,Kiln\n700,P,a\n720,C,\n")
-    [line] = cli.fails(2, "v50", "t.csv", "--each", "Kiln")
-    assert line == "t.csv: Kiln: must be filled in every row that counts, found blank cells in line 3"

@@ -1,7 +1,6 @@
 """One Runge-Kutta step."""
 
 from itertools import pairwise
-from math import exp, isclose
 
 import pytest
 
@@ -40,15 +39,6 @@ def test_the_error_estimate_is_that_of_a_method_of_third_order():
     for _ in range(40):
         state = step(0.0, state, rates(state, s, a), s, a, 1e-8).y_end
     assert abs(steps[0].y_end.V - state.V) < abs(steps[0].error.V)
-
-
-def test_depth_and_velocity_agree_with_the_closed_form():
-    a = armour()
-    s = Stage(Medium.FRAGMENTED, False, True, False, 700.0, 0.0)
-    y = State(Z=0.0, L=0.02, V=400.0, W=0.0, h=0.0)
-    k = (a.Yc0 / s.Vs1**2 + a.rho_c) / (a.rho_p * y.L)
-    after = step(0.0, y, rates(y, s, a), s, a, 1e-7).y_end
-    assert isclose(after.V, y.V * exp(-k * after.Z), rel_tol=1e-12)
 
 
 def test_the_state_within_a_step_is_that_of_the_cubic_through_its_ends():

@@ -123,10 +123,6 @@ def test_costs_that_are_asked_for_must_be_given(asked: dict[str, Any]):
         ),
         (lambda: catalogue([{**THREATS[0], "name": "a\x1b[31m"}]), "must be one line of printable text"),
         (lambda: catalogue(pareto=["thickness_mm"]), "must list at least 2 values, found 1"),
-        (
-            lambda: catalogue([THREATS[1], THREATS[1]]),
-            'threat[1].name: must be different for each threat, found "M2" twice',
-        ),
         (lambda: catalogue(ceramic=[{"material": "AD85x", "thickness_mm": [5.0]}]), 'did you mean "AD85"?'),
         (
             lambda: catalogue(backing=[{"material": "6061-T6", "thickness_mm": "5"}]),

@@ -77,11 +77,6 @@ def test_of_very_many_back_plates_the_frontier_has_every_second_and_the_best():
     ("grid", "warning"),
     [
         (
-            {"backing_thickness_mm": {"min": 7.0, "max": 9.0, "step": 1.0}},
-            "optimise.backing_thickness_mm: the design lies at the least back plate thickness of the range, 7 mm; "
-            "a thinner back plate may make the armour lighter",
-        ),
-        (
             {"backing_thickness_mm": {"min": 4.0, "max": 5.2, "step": 0.5}},
             "optimise.backing_thickness_mm: the design lies at the greatest back plate thickness of the range, "
             "5 mm; a thicker back plate may make the armour lighter",

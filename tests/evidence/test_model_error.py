@@ -185,7 +185,7 @@ def test_quantiles_are_given():
     assert (error.mean_percent, error.scale_percent, error.degrees_of_freedom) == (None, None, None)
     for probability, percent in error.quantiles_percent.items():
         assert error.probability_v50_exceeds(1.0, 1.0 + percent / 100.0) == pytest.approx(1.0 - float(probability))
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=r"quantile: probability: must be 0 to 1, found 1\.5"):
         error.quantile(1.5)
 
 

@@ -72,12 +72,6 @@ def test_a_requirement():
     assert ended.stopped.endswith("within 27.432 m/s; the requirement is not decided")
 
 
-def test_a_rule_is_its_own_reason():
-    shots = Shots((805.2, 871.0, 840.0, 805.4), (False, True, True, True))
-    plan = plan_shots(scenario(), shots, procedure="langlie", limits_m_s=(610.0, 960.0))
-    assert plan.reason == "midway between the last shot and the lower limit, 610.0 m/s"
-
-
 def test_a_requirement_in_another_unit():
     with pytest.raises(InputError, match="a third to three times it, found 2600; is it in m/s"):
         plan_shots(scenario(), requirement_m_s=2600.0)

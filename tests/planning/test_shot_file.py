@@ -16,8 +16,6 @@ from armour.statistics.v50 import read_shots
         ("result,velocity_m_s\nP,700\n", "C,750\n"),
         ("velocity_m_s,result\r\n700,partial\r\n", "750,complete\r\n"),
         ("velocity_m_s,result\n700,PARTIAL", "\n750,COMPLETE\n"),
-        ("velocity_m_s,result\n700,Partial\n", "750,Complete\n"),
-        ("velocity_m_s,result\n700,PP\n", "750,CP\n"),
         ("velocity_m_s,result\n700,pp\n", "750,cp\n"),
         ('\ufeff"velocity_m_s", result\r\n"700",P\r\n,\r\n', "750,C\r\n"),
         ("result,velocity_m_s\r\nP,7e2", "\r\nC,750\r\n"),

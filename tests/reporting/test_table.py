@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from armour.files import printable
-from armour.reporting.table import Column, Table, csv_text, interval, unbroken, wrapped
+from armour.reporting.table import Column, Table, csv_text, interval
 from tests.reporting.tables import headings
 
 LENGTH = Column("length", "mm", ".2f", key="length_mm")
@@ -91,13 +91,3 @@ def test_intervals():
     assert interval((1.0, None), "g") == "from 1"
     assert interval((None, None), "g") == "not bounded"
     assert interval((9000.0, 12345.6), ".1f") == "9000.0 to 12,345.6"
-
-
-@pytest.mark.parametrize("unit", ["mm", "m/s", "kg/m²", "%", "J", "g", "GPa"])
-def test_no_line_ends_between_a_number_and_its_unit(unit: str):
-    text = f"6.35 {unit} on 7 {unit}, and some grams"
-    assert unbroken(text) == f"6.35\u00a0{unit} on 7\u00a0{unit}, and some grams"
-    for width in range(10, 30):
-        lines = wrapped(text, width)
-        assert " ".join(lines) == text
-        assert not [line for line in lines if line[-1].isdecimal()]

@@ -195,11 +195,6 @@ def test_a_name_that_is_not_there_is_an_error_with_all_that_are_alike(name: str)
     assert str(caught.value).endswith(f"; choose from {', '.join(alike)}")
 
 
-def test_a_name_that_is_like_none_is_an_error_with_the_nearest():
-    with pytest.raises(InputError, match='did you mean "AD85"'):
-        shipped_library().entry("ceramic", "AD85x")
-
-
 def test_an_alias_names_one_entry_and_what_it_replaces_is_noted():
     mine = {"based_on": "7.62 mm APM2", "aliases": [".30 APM2"]}
     library = extended({"projectile": {"mine": mine}})

@@ -32,12 +32,8 @@ impact.velocity_m_s = true
     impact.velocity_m_s: must be a number, found true
 impact.velocity_m_s = 1e6
     impact.velocity_m_s: must be at most 10000, found 1000000.0
-impact.velocity_m_s = 1.2
-    impact.velocity_m_s: must be at least 10, found 1.2
 ballistic_limit.velocity_min_m_s = 5e-324
     ballistic_limit.velocity_min_m_s: must be at least 1e-09, found 4.94066e-324
-armour.ceramic_thickness_mm = 9000.0
-    armour.ceramic_thickness_mm: must be at most 1000, found 9000.0
 impact.velocity_m_s = 12345678901234567890
     impact.velocity_m_s: must be at most 10000, found a whole number of more than 64 bits
 impact.projectile = 7
@@ -48,28 +44,18 @@ armour.thickness_mm = 1.0
     armour.thickness_mm: unknown key; did you mean "ceramic_thickness_mm"?
 armour.layer = [{ name = "glue", place = "under", thickness_mm = 1.0, areal_density_kg_m2 = 1.2 }]
     armour.layer[0].place: must be "front", "between" or "behind", found the text "under"
-armour.layer = [{ name = "", place = "front", thickness_mm = 1.0, areal_density_kg_m2 = 1.2 }]
-    armour.layer[0].name: must not be empty, found the text ""
 armour.layer = [{ name = "glue", place = "front", thickness_mm = 1.0 }]
     armour.layer[0].areal_density_kg_m2: is missing
 design = { scatter_percent = 1.5, scatter_source = "ours" }
     design.scatter_percent: must be at least 2.5, or be given in an entry of the library with an own firing of 36 shots
-design = { scatter_percent = 80.0, scatter_source = "ours" }
-    design.scatter_percent: must be at most 50, found 80.0
 design.scatter_percent = 4.0
     design: must have scatter_percent and scatter_source, or neither
-design.existing = "hull"
-    design.existing: must be "backing", found the text "hull"
 model.shear_perimeter = "cone"
     model.shear_perimeter: must be "conoid" or "projectile", found the text "cone"; did you mean "conoid"?
-model.plate_drive = "stress"
-    model.plate_drive: must be "strength" or "interface", found the text "stress"
 value = 1
     value: unknown key; choose from title, author, project, date, impact, armour, model, solver, ballistic_limit,
 title = "a\u001b[31m"
     title: must be one line of printable text, found "a\u001b[31m"
-impct.x = 1
-    impct: unknown key; did you mean "impact"?
 impact = 3
     impact: must be a table, found 3
 impact.projectile = "7.62 mm"
@@ -80,16 +66,10 @@ armour.ceramic = "carbide"
     armour.ceramic: must name a ceramic of the library, found "carbide"; choose from SiC, B4C
 armour.ceramic = "stone"
     armour.ceramic: must name a ceramic of the library, found "stone"; armour library lists them
-armour.backing = "6061"
-    armour.backing: must name a metal of the library, found "6061"; choose from 6061-T6, AA6061-T651
 impact.threat = "STANAG 4569 level 3"
     impact: threat must name a threat of the library, found "STANAG 4569 level 3"; did you mean "STANAG 4569 level 3,
-impact.threat = 3
-    impact.threat: must be a text in quotes, found 3
 impact.obliquity_deg = 61.0
     impact.obliquity_deg: must be at most 60, found 61.0
-impact.obliquity_deg = -1.0
-    impact.obliquity_deg: must be at least 0, found -1.0
 threat = [{ threat = "STANAG 4569 level 3, B32" }, { threat = "STANAG 4569 level 3, B32" }]
     threat[1].name: must be different for each threat, found "STANAG 4569 level 3, B32" twice
 ballistic_limit.velocity_max_m_s = 20
@@ -98,8 +78,6 @@ ballistic_limit.velocity_min_m_s = 5000
     ballistic_limit.velocity_max_m_s: must be above velocity_min_m_s, which is 5000, found 4000
 optimise.ceramic_thickness_mm = { min = 3, max = 2, step = 0.1 }
     optimise.ceramic_thickness_mm.max: must be at least min, which is 3, found 2
-optimise.ceramic_thickness_mm = { min = 2, max = 3, step = 0 }
-    optimise.ceramic_thickness_mm.step: must be greater than 0, found 0
 optimise.ceramic_thickness_mm = { min = 2, max = 3, step = 1e-9 }
     optimise.ceramic_thickness_mm: must contain at most 100000 values, found 1e+09; widen the step
 optimise.ceramic_thickness_mm = { min = -2, max = 3, step = 1 }
@@ -114,18 +92,12 @@ uncertainty.model = { mean_percent = 5 }
     uncertainty.model: must have scale_percent
 uncertainty.model = { included = false, source = "a" }
     uncertainty.model: must have nothing else if included is false, found source
-uncertainty.samples = "800"
-    uncertainty.samples: must be a whole number, found the text "800"
 uncertainty.samples = 200.5
     uncertainty.samples: must be a whole number, found 200.5
 uncertainty.samples = 1000
     uncertainty.samples: must be a power of 2 for Sobol' points, such as 1024, found 1000
-uncertainty.impact.velocity_m_s = { distribution = "normal" }
-    uncertainty.impact.velocity_m_s: must have standard_deviation or standard_deviation_percent, and not both
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1, standard_deviation_percent = 1 }
     uncertainty.impact.velocity_m_s: must have standard_deviation or standard_deviation_percent, and not both
-uncertainty.impact.velocity_m_s = { distribution = "uniform", min = 1.0 }
-    uncertainty.impact.velocity_m_s: a uniform distribution must have min and max, and nothing else
 uncertainty.impact.velocity_m_s = { distribution = "uniform", min = 1.0, max = 2.0, mean = 1.5 }
     uncertainty.impact.velocity_m_s: a uniform distribution must have min and max, and nothing else
 uncertainty.impact.velocity_m_s = { distribution = "normal", standard_deviation = 1.0, min = 3.0, max = 2.0 }
@@ -153,14 +125,6 @@ library = []
     library: must be a table, found a list
 library.files = "a.toml"
     library.files: must be a list, found the text "a.toml"
-library.files = [3]
-    library.files[0]: must be a text in quotes, found 3
-library.metall = {}
-    library.metall: unknown key; did you mean "metal"?
-library.ceramic.a = { based_on = "AD85", flow_stress_GPa = -1 }
-    library.ceramic.a.flow_stress_GPa: must be at least 0.001, found -1
-library.ceramic.a = { based_on = "AD85", densty_kg_m3 = 3 }
-    library.ceramic.a.densty_kg_m3: unknown key; did you mean "density_kg_m3"?
 library.ceramic.a = { based_on = "AD85", flow_stress_product_exponent = 3.1 }
     library.ceramic.a.flow_stress_product_exponent: must be at most 3, found 3.1
 library.metal.m = { based_on = "6061-T6", flow_stress_backing_slope = -0.5 }
@@ -173,8 +137,6 @@ library.ceramic.value = { based_on = "AD85", density_kg_m3 = { value = 1 } }
     library.ceramic.value.density_kg_m3: must be at least 100, found 1
 library.ceramic."<list>x" = { based_on = "AD85", density_kg_m3 = { value = 1 } }
     library.ceramic."<list>x".density_kg_m3: must be at least 100, found 1
-library.ceramic.a.based_on = "AD85x"
-    library.ceramic.a.based_on: must name a ceramic of the library, found "AD85x"; did you mean "AD85"?
 library.ceramic = { a = { density_kg_m3 = 3000, youngs_modulus_GPa = 300 }, b = { based_on = "a" } }
     library.ceramic.a.flow_stress_GPa: is missing and must be given, or based_on an entry that has it
 library.projectile.p = { based_on = "7.62 mm AP", penetrator_mass_g = 5460 }

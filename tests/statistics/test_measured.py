@@ -48,7 +48,6 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
 @pytest.mark.parametrize(
     ("header", "rows", "message"),
     [
-        (f"{C},ballistic_limit", "6,700", 'must have its unit, as "ballistic_limit (m/s)" or "ballistic_limit (ft/s)"'),
         (
             f"{C},armour.x,{LIMIT}",
             "6,1,700",

@@ -205,30 +205,18 @@ def test_the_recommended_curve_is_the_penalised_probit_if_it_rises():
     assert (answer(FLAT).recommended, answer(FLAT).penalised_fits) == (None, ())
 
 
-@pytest.mark.parametrize(
-    ("rows", "messages"),
-    [
-        (
-            ["700,partial"],
-            ["shots.csv: must have at least one partial and one complete penetration, found only partial"],
-        ),
-        (
-            ["700,part", "fast,complete", ",partial", "-5,none"],
-            [
-                'line 2: result: must be "stopped" or "perforated" (or partial',
-                'line 3: velocity_m_s: must be a number, found "fast"',
-                "line 4: velocity_m_s: is missing and must be given",
-                "line 5: velocity_m_s: must be at least 10 and at most 10000, found -5; is it in m/s?",
-                "line 5: result: must be",
-            ],
-        ),
-    ],
-)
-def test_wrong_files_with_every_mistake(tmp_path: Path, rows: list[str], messages: list[str]):
+def test_wrong_files_with_every_mistake(tmp_path: Path):
+    rows = ["700,part", "fast,complete", ",partial", "-5,none"]
     with pytest.raises(InputError) as error:
         read_shots(csv_file(tmp_path / "shots.csv", "velocity_m_s,result", *rows))
-    text = str(error.value)
-    assert [message in text for message in messages] == [True] * len(messages)
+    for message in (
+        'line 2: result: must be "stopped" or "perforated" (or partial',
+        'line 3: velocity_m_s: must be a number, found "fast"',
+        "line 4: velocity_m_s: is missing and must be given",
+        "line 5: velocity_m_s: must be at least 10 and at most 10000, found -5; is it in m/s?",
+        "line 5: result: must be",
+    ):
+        assert message in str(error.value)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from armour.analysis.evaluate import evaluate
 from armour.analysis.impact import simulate
 from armour.analysis.quantities import QUANTITIES
 from armour.design.check import evaluated
-from armour.errors import InputError, duration
+from armour.errors import InputError
 from armour.scenario.scenario import Scenario
 from armour.sweeps import sweep as sweeps
 from armour.sweeps.cases import SweepCases
@@ -79,14 +79,6 @@ def test_a_sweep_is_resumed_as_often_as_it_is_interrupted(tmp_path: Path):
         assert told == [f"resuming {tmp_path / 'a.csv'}.parts: 381 of 505 rows", *whole]
         assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
         (tmp_path / "a.csv").unlink()
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(0.2, "1 second"), (119.0, "119 seconds"), (121.0, "2 minutes"), (7201.0, "2 hours"), (3e9, "34,722 days")],
-)
-def test_lengths_of_time_in_words(seconds: float, words: str):
-    assert duration(seconds) == words
 
 
 @pytest.mark.parametrize(

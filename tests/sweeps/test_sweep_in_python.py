@@ -90,16 +90,6 @@ def test_values_that_are_no_numbers(values: Any, found: str):
     assert str(error.value) == f"sweep: over {CERAMIC}: {must}, found {found}"
 
 
-@pytest.mark.parametrize("output", [None, "table.csv"])
-def test_names_of_materials(tmp_path: Path, output: str | None):
-    over: dict[str, object] = {"armour.backing": ["5083-H3", "6061-T6"], BACKING: [5.0, 7.0]}
-    found = sweep(scenario(), over, "areal_density_kg_m2", output and tmp_path / output)
-    assert found["armour.backing"].tolist() == ["5083-H3"] * 2 + ["6061-T6"] * 2
-    assert found["areal_density_kg_m2"][1] == pytest.approx(
-        scenario(backing="5083-H3", backing_mm=7.0).areal_density_kg_m2()
-    )
-
-
 @pytest.mark.parametrize("output", [None, "t.csv"])
 def test_a_probability_without_the_error_of_the_model(output: str | None, tmp_path: Path):
     case = scenario().replaced({"uncertainty.model.included": False})

@@ -102,13 +102,6 @@ def test_the_running_text_is_in_the_suite(suite: Suite):
     assert [(*key, values) for key, values in found.items()] == TEXT
 
 
-def test_every_case_has_its_source_and_its_reason(suite: Suite):
-    for case in suite.cases:
-        assert case.source, case.full_name
-        assert case.reason or case.not_scored, case.full_name
-        assert (case.band is None) == bool(case.not_scored), case.full_name
-
-
 def test_the_model_against_all_of_it():
     """One test, for the suite takes its time."""
     result = of_paper()

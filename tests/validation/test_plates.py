@@ -9,12 +9,10 @@ from functools import cache
 import pytest
 
 from armour.evidence.fit import shipped_data
-from armour.scenario.inputs import INPUTS
 from armour.scenario.library import shipped_library
 from armour.validation.suite import Suite, load_suite
 from armour.validation.validate import Check, SuiteResult, result_of, validate
 from tests.helpers.cases import SCENARIOS
-from tests.numerics.reference import Reference
 from tools.published import EVIDENCE, plates_page
 
 pytestmark = pytest.mark.slow
@@ -79,12 +77,7 @@ def test_the_data_are_whole():
     [
         ("aluminium", (".30 APM2", ".30 APM2 core", ".50 APM2", "14.5 mm BS41"), 0, 99, 528, 3.8, 8.5, 6.9),
         ("aluminium", (".30 APM2", ".30 APM2 core", ".50 APM2", "14.5 mm BS41"), 3, 7, 451, 2.9, 7.3, 6.0),
-        ("aluminium", (".30 APM2", ".30 APM2 core", ".50 APM2", "14.5 mm BS41"), 0, 3, 10, -9.1, 11.7, 9.9),
-        ("aluminium", (".30 APM2", ".30 APM2 core", ".50 APM2", "14.5 mm BS41"), 7, 99, 67, 11.8, 13.7, 12.5),
-        ("aluminium", (".50 FSP",), 0, 99, 54, -2.5, 13.2, 11.3),
         ("aluminium", ("20 mm FSP",), 0, 99, 93, 8.3, 22.7, 18.1),
-        ("steel", (".30 APM2",), 0, 99, 20, 13.2, 24.9, 15.1),
-        ("steel", (".50 APM2",), 0, 99, 19, 14.0, 18.6, 16.1),
         ("steel", ("30 mm APDS",), 0, 99, 12, -26.1, 27.8, 26.1),
         ("aluminium at an angle", (".30 APM2", ".30 APM2 core"), 0, 99, 42, -8.1, 9.9, 8.4),
         ("steel at an angle", (".30 APM2", ".50 APM2", "14.5 mm B32", "14.5 mm BS41"), 0, 99, 278, 0.2, 7.5, 5.6),
@@ -122,19 +115,6 @@ def test_a_change_of_the_limits_leaves_a_band(result: SuiteResult, factor: float
 
     other = result_of(suite(), [changed(check) for check in result.checks])
     assert [s.full_name for s in other.summaries if s.status == "outside"][:1] == ["armour-piercing cores on aluminium"]
-
-
-@pytest.mark.parametrize("index", [0, 640, 735])
-def test_limits_agree_with_an_independent_method(result: SuiteResult, index: int):
-    check = result.checks[index]
-    inputs = {name: float(value) for name, value in check.case.cells.items() if name in INPUTS}
-    p = check.case.scenario.with_inputs(inputs).core_armour()
-    assert p.tau == pytest.approx(0.7e6 * inputs["backing.dynamic_yield_strength_MPa"])
-    assert pytest.approx(2.7e6 * inputs["backing.dynamic_yield_strength_MPa"]) == p.YB
-    assert p.Yp == 2.35e9
-    assert isinstance(check.computed, float)
-    assert Reference(p, check.computed + 0.02).perforated
-    assert not Reference(p, check.computed - 0.02).perforated
 
 
 def test_the_library_has_the_plates_and_rounds():

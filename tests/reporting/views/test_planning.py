@@ -42,9 +42,6 @@ def test_what_ended_the_firing_is_shown():
     assert in_a_line(alone).endswith(", by the limit expected alone")
 
 
-FIVE = Shots((700.0, 720.0, 760.0, 710.0, 740.0), (False, True, True, False, False), "f.csv")
-
-
 @pytest.mark.slow
 def test_a_requirement_has_its_operating_characteristic_before_the_first_shot():
     points = (OperatingPoint(660.0, 14.0, 0.0, 1.0, 9.0), OperatingPoint(740.0, 14.0, 1.0, 0.0, 9.0))
@@ -52,10 +49,3 @@ def test_a_requirement_has_its_operating_characteristic_before_the_first_shot():
     plan = replace(plan, operating_characteristic=points).of(every_row=True)
     found = [table.title for table in tables_of_shot_plan(plan) if isinstance(table, Table)]
     assert "operating characteristic: simulated firings at a scatter of 14 m/s" in found
-
-
-@pytest.mark.slow
-def test_without_a_model_error_the_prior_is_no_models():
-    unknown = scenario(uncertainty={"model": {"included": False}})
-    plan = plan_shots(unknown, FIVE, procedure="up-and-down", half_width_m_s=100.0, requirement_m_s=730.0)
-    assert facts(tables_of_shot_plan(plan))["from"].startswith("V50 within 30 % of the limit by the model")
