@@ -45,9 +45,9 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
         warnings=tuple(map(str, result.notes)),
         sections=(
             used,
-            *[curve] * bool(result.fits),
             section_of("V50", views.estimates(result)),
             *[others] * bool(differences),
+            *[curve] * bool(result.fits),
             _not_used(shots, name),
             replace(origin_section(command, read, result.question.get("scenario")), folded=False),
         ),

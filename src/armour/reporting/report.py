@@ -9,7 +9,7 @@ from typing import Any
 from armour import MODEL_VERSION, __version__
 from armour.analysis.results import installed
 from armour.files import read_toml, shipped
-from armour.reporting.table import Column, Table
+from armour.reporting.table import Table
 from armour.scenario.scenario import Scenario
 
 
@@ -65,10 +65,10 @@ def origin_section(command: str, words: str = "", scenario: Scenario | None = No
     """
     versions = [("armour", __version__), ("model", MODEL_VERSION), ("Python", sys.version.split()[0])]
     versions += installed(("numpy", "scipy"))  # on which the results can depend
-    table = Table((Column("program"), Column("version")), tuple(versions))
     content = f"SHA-256 of the scenario's content: {scenario.digest()}" if scenario else ""
-    paragraphs = (*filter(None, (words, content)), "Made by:")
-    return ReportSection("Command and versions", paragraphs, command, "console", tables=(table,), folded=True)
+    made_by = f"Made by {', '.join(f'{program} {version}' for program, version in versions)}:"
+    paragraphs = (*filter(None, (words, content)), made_by)
+    return ReportSection("Command and versions", paragraphs, command, "console", folded=True)
 
 
 def reference_notes(texts: Iterable[str]) -> tuple[tuple[str, str], ...]:

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
-from armour.reporting.table import Column, between, grouped, in_words, percent
+from armour.reporting.table import Column, between, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult
@@ -106,7 +106,9 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
     shown = [*shots.velocities_m_s, *(posterior.v50_interval_m_s if posterior else ())]
     shown += [each for each in (result.model_ballistic_limit_m_s, result.requirement_m_s) if each is not None]
     low, high = drawing.widened(shown, 0.3)
-    picture = sheet.panels(headline(result), 1.1 * drawing.PANEL)
+    # At one level, that of the band.
+    at_level = f"V50 {fit.v50_m_s:.0f} m/s, {level} interval {interval(ends, '.0f')}"
+    picture = sheet.panels(headline(result) if result.extrapolated else at_level, 1.1 * drawing.PANEL)
     [axes] = picture.axes
     axes.set(xlabel=in_words(VELOCITY), ylabel="part of shots that perforate", xlim=(low, high), ylim=(-0.02, 1.02))
     x = np.linspace(low, high, 400).tolist()
