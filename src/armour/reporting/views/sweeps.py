@@ -51,7 +51,10 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
 
 
 def _source(name: str, values: Any, *, both: bool) -> Source:
-    """Return the column of a key or quantity as people read it; `both` says whether there are limits of both kinds."""
+    """Return the column that shows a key or quantity, whose `values` are an array, (rows,).
+
+    Items are pairs of a row and its scenario.  If there are limits of `both` kinds, one column shows them.
+    """
     if name == EXPECTED and both:
         return LIMIT, lambda item: _limit(*item)
     if name == "probability_of_stopping":
@@ -62,6 +65,7 @@ def _source(name: str, values: Any, *, both: bool) -> Source:
 
 
 def _known(value: float) -> float | None:
+    """Return a value; None for NaN, which stands for a value that is not known."""
     return value if value == value else None
 
 
@@ -73,9 +77,9 @@ def _limit(row: Mapping[str, Any], scenario: Scenario) -> str:
 
 
 def _far(scenario: Scenario, *, every_threat: bool) -> str:
-    """Return in what an armour and its impact, or every threat, are far from the tests, without what was tested."""
-    cases = map(scenario.against, scenario.threats()) if every_threat else [scenario]
-    far = (each for case in cases for each in far_from_tests(case, row_of(case).armours))
+    """Return in what an armour and its impact, or every threat, are far from the tests; "" if in nothing."""
+    scenarios = map(scenario.against, scenario.threats()) if every_threat else [scenario]
+    far = (each for scenario in scenarios for each in far_from_tests(scenario, row_of(scenario).armours))
     return ", ".join(dict.fromkeys(each.found for each in far))
 
 
