@@ -15,7 +15,10 @@ from armour.reporting.table import Table
 
 @singledispatch
 def tables_of(result: Result) -> list[Table | str]:
-    """Return what shows a result in a terminal or a report: tables, and lines before, between and after them."""
+    """Return what shows a result in a terminal or a report: tables, and lines before, between and after them.
+
+    If its `question` has `every_row`, which the option -v sets, these are all rows and details, else the main ones.
+    """
     raise NotImplementedError(type(result).__name__)
 
 

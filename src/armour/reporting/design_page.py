@@ -193,7 +193,11 @@ def _nodes(layer: Layer, count: int) -> Floats:
 def _pair(
     catalogue: Catalogue, pair: int, grid: Sequence[Floats], probabilities: tuple[float, ...], on_progress: OnProgress
 ) -> dict[str, Any]:
-    """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm."""
+    """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm.
+
+    "densities" are those of the layers, kg/m³, 0 for a back plate that exists already, whose areal density, kg/m², is
+    "hull".  "offered" has the indices of the thicknesses on offer, and "excluded" those of designs beyond a bound.
+    """
     ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
     designs = design_map(catalogue, pair, ceramics, backings, probabilities, on_progress)

@@ -80,7 +80,7 @@ def number(value: float | str, spec: str) -> str:
 
 
 def beside(value: float, bound: float, decimals: int, *, at_most: bool = False) -> str:
-    """Format a number that stands beside a bound, the least allowed or, if `at_most`, the greatest.
+    """Format a number beside a bound, the least allowed or, if `at_most`, the greatest, so that a miss stays a miss.
 
     It is rounded half up, but to the unsafe side where it would otherwise seem to keep the bound; a bound with more
     decimals gives more.

@@ -40,7 +40,7 @@ def rounded_down(number: float, decimals: int = 0) -> float:
 
 
 def sampled_percents(stopping: float, ends: tuple[float, float]) -> tuple[float, float, float]:
-    """Return a sampled probability of stopping and its interval, %, to a tenth: the upper end is rounded up."""
+    """Return a sampled probability of stopping and the ends of its interval, %; only the upper end is rounded up."""
     value, low, above = (rounded_down(100.0 * part, 1) for part in (stopping, ends[0], 1.0 - ends[1]))
     return value, low, 100.0 - above
 
@@ -78,7 +78,7 @@ def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
 def far_line(far: Sequence[object], against: str = "") -> list[Table | str]:
     """Return a line on what of an armour is far from the tests, none if nothing is.
 
-    `far` has what is, each with its words as `str`; `against` is "" or words such as " against M2 AP".
+    `far` has what lies outside what was tested, in words by `str`; `against` is "" or as " against M2 AP".
     """
     return [VerdictLine(f"far from the tests{against}: {', '.join(map(str, far))}", unsure=True)] if far else []
 

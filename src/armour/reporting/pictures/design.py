@@ -86,11 +86,11 @@ class _Map:
         return np.where(np.isnan(expected), self.grid.limits_m_s, expected)
 
     def required(self) -> tuple[Any, Any, str]:
-        """Return how far each design exceeds what is required, m/s, whether this is stated, and what, in words.
+        """Return how far each design exceeds what is required, m/s, whether this is stated, and what is required.
 
-        Both are arrays, (ceramics, back plates).  The threat with the least excess counts.  A probability is not stated
-        where it is not known, or greater than that so far from the tests.  If none is known or required, the model
-        tells.
+        The first two are arrays, (ceramics, back plates); the last is words for a legend.  The threat with the least
+        excess counts.  A probability is stated, and so known, unless no tests tell or it is greater than may be stated
+        so far from them.  If none is known or required, the model tells.
         """
         margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
         excess_m_s = self.shown_m_s - velocities_m_s - margins_m_s

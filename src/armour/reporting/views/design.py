@@ -65,13 +65,13 @@ def without_speed(threat: CheckedThreat) -> str:
 
 
 def limit_text(threat: CheckedThreat) -> str:
-    """Return the expected limit or, where no tests tell, that by the model, m/s, beside the velocity required."""
+    """Format the expected limit or, where no tests tell, that by the model, m/s; see `beside` for the rounding."""
     shown = shown_limit(threat.ballistic_limit_m_s, threat.expected_limit_m_s)
     return "none found" if shown is None else beside(shown, threat.velocity_m_s + threat.required_margin_m_s, 0)
 
 
 def chance_text(threat: CheckedThreat) -> str:
-    """Return the probability of stopping a shot, as exact as the one required."""
+    """Format the probability of stopping a shot, as exact as the one required, with its interval if sampled."""
     if threat.sampled is not None and threat.probability_of_stopping is not None:
         ends = 1.0 - threat.sampled.high, 1.0 - threat.sampled.low
         value, low, high = phrases.sampled_percents(threat.probability_of_stopping, ends)
@@ -106,7 +106,7 @@ def reasons(threat: CheckedThreat) -> str:
 
 
 def _required(threat: CheckedThreat) -> str:
-    """Return the probability of stopping a shot that is required, in words."""
+    """Return the required probability of stopping a shot, as "95 % required" or "none required"."""
     asked = threat.required_probability
     return "none required" if asked is None else f"{percent(asked)} required"
 
@@ -176,7 +176,7 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
 
 
 def _is_modelled(threat: CheckedThreat) -> bool:
-    """Return whether the model describes the armour, so that its limit means something."""
+    """Return whether the model describes the armour: its back plate is a metal, directly behind the tile."""
     return all(each.quantity not in ("backing_density_kg_m3", "interlayers") for each in threat.requirements)
 
 
@@ -215,7 +215,7 @@ def changes(threat: CheckedThreat) -> str:
 
 
 def needs(threat: CheckedThreat) -> str:
-    """Return the flow stress that a ceramic without tests needs to stop a threat by the model."""
+    """Return in words the flow stress that a ceramic without tests needs to stop a threat; "" if it is not needed."""
     needed = threat.flow_stress
     if threat.verdict != "not known" or needed is None or needed.needed_GPa is None:
         return ""

@@ -38,7 +38,7 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
     """Tabulate the first rows of a sweep.
 
     `columns` has an array (rows,) by name; the names in `keys` are the swept inputs.  Where the expected limit is not
-    known, that by the model stands in its place, with a mark.  A last column says in what a row is far from the tests.
+    known, that by the model stands in its place, with "*".  A last column says in what a row is far from the tests.
     """
     names, first = [*columns], [values[:SWEEP_ROWS].tolist() for values in columns.values()]
     rows = [dict(zip(names, row, strict=True)) for row in zip(*first, strict=True)]
