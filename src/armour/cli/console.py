@@ -20,7 +20,7 @@ _COMMAND = re.compile(r"(?m)^([^\S\n]*):(?=:)|#(?=#(?:\[|vso\[))")
 
 
 def show(*items: Table | str, stderr: bool = False) -> None:
-    """Print tables and lines, fitted to the width of a terminal; a pipe that its reader has closed is no error."""
+    """Print tables and lines, fitted to the width of a terminal; in a pipe or a file, each row stays on one line."""
     console = Console(stderr=stderr)
     width = console.width if console.is_terminal else UNLIMITED
     _write(rendered(items, width, console.color_system), sys.stderr if stderr else sys.stdout)

@@ -105,7 +105,7 @@ def model_error_words(error: ModelError) -> str:
 
 
 def v50_notes(answer: ConfidenceResult | CheckedThreat, velocity_m_s: float) -> list[str]:
-    """Return how likely V50 exceeds the velocity of the round, and how much shots scatter about it; none if unknown."""
+    """Return a line on how likely V50 exceeds the velocity of a round, and on the scatter of shots; none if unknown."""
     exceeds, error = answer.probability_v50_exceeds_velocity, answer.model_error
     if exceeds is None or error is None:
         return []
@@ -166,7 +166,7 @@ def rounded_up(number: float) -> str:
 
 
 def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
-    """Return what a probability of stopping rests on: the model error, or the distributions of the inputs alone.
+    """Return lines on what a probability of stopping rests on: the model error, or the distributions of inputs alone.
 
     If it is unknown, return why, and the flow stress that the ceramic needs.
     """

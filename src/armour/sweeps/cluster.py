@@ -62,7 +62,7 @@ async def _check_scheduler(address: str) -> None:
 
 @contextmanager
 def workers_of(client: "Client") -> Iterator[Workers]:
-    """Yield the workers of a cluster; the chunks of a worker that dies are tried again."""
+    """Yield functions that compute chunks on a cluster; the chunks of a worker that dies are tried again."""
     from distributed import wait
 
     def submit(function: Callable[[Rows], Chunk], rows: Rows) -> Any:

@@ -38,7 +38,7 @@ METALS = "do not compare metals of different strength: the model exaggerates it"
 
 
 def verdict_word(verdict: Verdict) -> str:
-    """Return a verdict as people read it; FAILS is in capitals so that nobody overlooks it."""
+    """Return a verdict as it is shown: FAILS is in capitals so that nobody overlooks it."""
     return "FAILS" if verdict == "fails" else verdict
 
 
@@ -428,7 +428,7 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     return junit_suite(group, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
 
 
-# The layers, which distinguish a design from others.
+# Materials and thicknesses of a design, which distinguish it from others.
 layers_of = attrgetter("ceramic", "backing", "ceramic_thickness_mm", "backing_thickness_mm")
 
 

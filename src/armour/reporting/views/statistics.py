@@ -116,7 +116,7 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
 
 @line_of.register
 def calibration_in_a_line(result: CalibrationResult) -> str:
-    """Return the fitted inputs with their intervals."""
+    """Return the fitted inputs with their intervals, or why one is not identified, in a line."""
     return "; ".join(_coefficient_words(each, result.confidence) for each in result.coefficients)
 
 
@@ -281,7 +281,7 @@ def velocity_name(fraction: float) -> str:
 
 
 def decision(result: FiringResult) -> str:
-    """Return whether a required velocity is met, with the risk that decides."""
+    """Return whether a required velocity is met, with the risk of the decision."""
     velocity = f"{velocity_name(result.requirement_fraction)} of at least {result.requirement_m_s:g} m/s"
     if result.consumers_risk is None or result.producers_risk is None:
         return f"{result.decision}: {velocity}; no curve fits the shots"
