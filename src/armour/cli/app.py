@@ -46,7 +46,7 @@ class Reporting(TyperGroup):
 
 @contextmanager
 def _reported() -> Iterator[None]:
-    """Turn errors in the block into messages and exit codes."""
+    """Turn errors in the block into messages on standard error and exit codes."""
     try:
         yield
     except InputError as error:
@@ -142,13 +142,13 @@ COMMANDS: dict[str, tuple[Callable[..., None], ...]] = {
 
 
 def named(command: Callable[..., None]) -> str:
-    """Return the name of a command."""
+    """Return the name of a command as it is typed, such as "plan shots"."""
     name = command.__name__.replace("_", "-")
     return name.replace("-", " ") if command is experiments.plan_shots else name
 
 
 def told(command: Callable[..., None]) -> tuple[str, list[str]]:
-    """Return the help of a command, and its examples."""
+    """Return the help of a command and the lines of its examples, both from its docstring."""
     words, _, examples = (getdoc(command) or "").partition(EXAMPLES)
     return words, examples.splitlines()
 

@@ -24,7 +24,7 @@ def shipped_names() -> list[str]:
 
 
 def _shipped(*kinds: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Return a function that completes a word to shipped names, or to none if a file begins with the word.
+    """Return a function that completes a word to names of these kinds, or to none if a file begins with the word.
 
     Shells then complete to files.  No name of a file is returned, as shells may evaluate what is.
     """

@@ -15,15 +15,15 @@ from armour.errors import mistake
 from armour.files import finite, reason
 from armour.reporting.table import Table, printable_lines
 
-# The first mark of what a log of GitHub or Azure takes for a command, as in a name of a file; JSON has the same escape.
+# What begins a command in a log of GitHub or Azure, but may stand in a name of a file; it is escaped as in JSON.
 _COMMAND = re.compile(r"(?m)^([^\S\n]*):(?=:)|#(?=#(?:\[|vso\[))")
 
 
 def show(*items: Table | str, stderr: bool = False) -> None:
-    """Print tables and lines, fitted to the width of a terminal; a pipe that its reader has closed is no error."""
+    """Print tables and lines, fitted to the width of a terminal; in a pipe or a file, each row stays on one line."""
     console = Console(stderr=stderr)
-    room = console.width if console.is_terminal else UNLIMITED
-    _write(rendered(items, room, console.color_system), sys.stderr if stderr else sys.stdout)
+    width = console.width if console.is_terminal else UNLIMITED
+    _write(rendered(items, width, console.color_system), sys.stderr if stderr else sys.stdout)
 
 
 def show_json(data: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:

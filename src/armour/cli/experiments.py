@@ -76,7 +76,7 @@ def v50(
     from armour.reporting.record import firing_report
     from armour.statistics.v50 import compared
 
-    table, scenario = _in_order(table, scenario)
+    table, scenario = _table_and_scenario(table, scenario)
     check_options(("--set", changes and scenario is None, "must be given with a scenario"))
     loaded = None if scenario is None else read_scenario(scenario, changes, ANSWERS["v50"])
     outputs = (csv, CSV), (plot, PICTURE), (report, REPORT_ENDINGS)
@@ -147,7 +147,7 @@ def calibrate(
     from armour.statistics.fitted_library import library_text, scenario_text
     from armour.statistics.own_tests import repeated
 
-    table, scenario = _in_order(table, scenario)
+    table, scenario = _table_and_scenario(table, scenario)
     loaded = read_scenario(scenario, changes, ANSWERS["calibrate"])
     outputs = (library, ()), (fitted, ()), (csv, CSV), (plot, PICTURE)
     check_outputs(*outputs, inputs=[table, loaded], force=force)
@@ -180,15 +180,15 @@ def calibrate(
         runner.propose("add --write-scenario fitted.toml --lot 'lot 1'")
 
 
-def _in_order(table: Any, scenario: Any) -> tuple[Any, Any]:
-    """Return a table and a scenario, which may be given in either order; a table is known by its name."""
+def _table_and_scenario(first: Any, second: Any) -> tuple[Any, Any]:
+    """Return the paths of a table and a scenario, given in either order; the table is recognised by its name."""
     endings = (".csv", ".tsv", ".txt", ".parquet", *WORKBOOKS)
-    is_table = scenario is not None and (scenario.suffix.lower() in endings or scenario.as_posix() in shipped_tests())
-    return (scenario, table) if is_table else (table, scenario)
+    is_table = second is not None and (second.suffix.lower() in endings or second.as_posix() in shipped_tests())
+    return (second, first) if is_table else (first, second)
 
 
 def _files_read(table: Path | None, scenario: Scenario | None) -> str:
-    """Return the files that warnings name."""
+    """Return the names of the files that a command has read, for its warnings."""
     return ", ".join(filter(None, (str(table or ""), scenario.file if scenario else "")))
 
 
@@ -244,7 +244,7 @@ def plan_shots(
     from armour.cli import firings
     from armour.planning.shot_file import locked
 
-    table, scenario = _in_order(table, scenario)
+    table, scenario = _table_and_scenario(table, scenario)
     check_options(("--set", changes and scenario is None, "must be given with a scenario"))
     loaded = None if scenario is None else read_scenario(scenario, changes, ANSWERS["plan_shots"])
     is_fired, change = result is not None, "--undo" if result is None else "--result"

@@ -31,7 +31,7 @@ class Choice(NamedTuple):
 
 
 def each_result(answer: Callable[[Shots], Result], table: Path, column: str, choice: Choice) -> EachResult:
-    """Call `answer` with the shots for each value of a column; name each result by column and value, as "panel A".
+    """Return what `answer` returns for the shots of each value of a column, by column and value, as "panel A".
 
     Shots that have no answer do not stop the others.
     """
@@ -56,7 +56,7 @@ def each_result(answer: Callable[[Shots], Result], table: Path, column: str, cho
 def next_plan(
     plan: Callable[..., ShotPlan], table: Path | None, each: str | None, choice: Choice
 ) -> EachResult | ShotPlan:
-    """Return what `plan` returns for the shots of a table or, with `each`, for each value of this column.
+    """Return what `plan` returns for the shots of a table or, if `each` names a column, for each value of this column.
 
     Without a table, and before the first shot has been written into it, `plan` is called with None.
     """
@@ -114,7 +114,7 @@ def plan_without_last(plan: Callable[..., ShotPlan], table: Path, choice: Choice
 
 
 def _replacing(table: Path, earlier: bytes | None, content: bytes) -> Callable[[Path], bytes]:
-    """Return a function that returns the content of a table to write, unless it is no longer the earlier one."""
+    """Return a function that returns the new content of a table, unless the table no longer has the earlier one."""
 
     def replaced(_path: Path) -> bytes:
         if content_of(table) != earlier:

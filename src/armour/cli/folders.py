@@ -19,7 +19,7 @@ def scenario_paths(sources: Sequence[Path]) -> list[Path]:
     A note counts the files that are skipped.
     """
     skipped = Counter[str]()
-    scenarios = {source: _scenarios(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
+    scenarios = {source: _scenarios_in(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
     if skipped:
         say(f"note: skipped {', '.join(counted(count, noun) for noun, count in sorted(skipped.items()))}")
     message = "must be a folder of scenarios, found none in it"
@@ -27,8 +27,8 @@ def scenario_paths(sources: Sequence[Path]) -> list[Path]:
     return list(dict.fromkeys(path for source in sources for path in scenarios.get(source, [source])))
 
 
-def _scenarios(top: Path, skipped: Counter[str]) -> list[Path]:
-    """Return the scenarios in a folder and in the folders below, sorted, and count in `skipped` what is passed over."""
+def _scenarios_in(top: Path, skipped: Counter[str]) -> list[Path]:
+    """Return the scenarios in a folder and in the folders below, sorted; count other files by kind in `skipped`."""
 
     def fail(error: OSError) -> None:
         raise mistake(error.filename, "", f"cannot be read: {reason(error)}")
@@ -36,15 +36,15 @@ def _scenarios(top: Path, skipped: Counter[str]) -> list[Path]:
     paths: list[Path] = []
     for folder, folders, files in os.walk(top, onerror=fail):
         names = [*folders, *(name for name in files if name.lower().endswith(".toml"))]
-        nouns = {name: _foreign(Path(folder, name)) for name in names}
-        skipped.update(filter(None, nouns.values()))
-        folders[:] = [name for name in folders if not nouns[name]]
-        paths += [Path(folder, name) for name in files if nouns.get(name) == ""]
+        reasons = {name: _reason_to_skip(Path(folder, name)) for name in names}
+        skipped.update(filter(None, reasons.values()))
+        folders[:] = [name for name in folders if not reasons[name]]
+        paths += [Path(folder, name) for name in files if reasons.get(name) == ""]
     return sorted(paths)
 
 
-def _foreign(path: Path) -> str:
-    """Return why a file or folder is skipped, such as "hidden file"; "" if it is not."""
+def _reason_to_skip(path: Path) -> str:
+    """Return why a file or folder is skipped, as its kind, such as "hidden file"; "" if it is not."""
     if path.name.startswith("."):
         return "hidden folder" if path.is_dir() else "hidden file"
     if path.is_symlink():

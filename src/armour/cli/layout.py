@@ -36,8 +36,8 @@ STAND_IN = "\ue000"
 ROW_RULE = Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
 
 
-def rendered(items: Iterable[Table | str], room: int, colours: Any = None) -> str:
-    """Format tables and lines for a width of ``room`` characters, with an empty line above each table.
+def rendered(items: Iterable[Table | str], width: int, colours: Any = None) -> str:
+    """Format tables and lines for a width in characters, with an empty line above each table.
 
     ``colours`` is the name in rich of the terminal's colour system; if it is None, nothing is bold or coloured.
     """
@@ -46,24 +46,24 @@ def rendered(items: Iterable[Table | str], room: int, colours: Any = None) -> st
     console = Console(file=shown, width=UNLIMITED, height=1, color_system=colours, force_terminal=bool(colours))
     above: Table | str = ""
     for item in items:
-        beside = not above or (isinstance(above, VerdictLine) and isinstance(item, Table) and item.record)
+        adjoins = not above or (isinstance(above, VerdictLine) and isinstance(item, Table) and item.record)
         above = item
         if isinstance(item, Table):
-            if not beside:
+            if not adjoins:
                 console.print()
-            for part in _parts(console, item, room):
+            for part in _parts(console, item, width):
                 console.print(part)
         else:
             style = ("yellow" if item.unsure else STYLES[item.good]) if isinstance(item, VerdictLine) else ""
-            console.print(_text(console, item, room, style))
+            console.print(_text(console, item, width, style))
     lines = shown.getvalue().replace(STAND_IN, " ").split("\n")
     return "\n".join(line.rstrip(" ") for line in lines)
 
 
-def _text(console: Console, text: str, room: int, style: str = "") -> Text:
-    """Wrap a text between words to a width of `room`, or to its longest word if that is wider."""
+def _text(console: Console, text: str, width: int, style: str = "") -> Text:
+    """Wrap a text between words to a width, characters, or to its longest word if that is wider."""
     words = Text(_unbroken(text), style)
-    return Text("\n").join(words.wrap(console, max(room, _longest_word([words.plain]))))
+    return Text("\n").join(words.wrap(console, max(width, _longest_word([words.plain]))))
 
 
 def _unbroken(text: str) -> str:
@@ -71,19 +71,19 @@ def _unbroken(text: str) -> str:
     return unbroken(printable(text)).replace("\N{NO-BREAK SPACE}", STAND_IN)
 
 
-def _parts(console: Console, table: Table, room: int) -> Iterator[Grid | Text | str]:
-    """Yield the parts of a table: its title, its rows or the first of them, and how to see the rest."""
+def _parts(console: Console, table: Table, width: int) -> Iterator[Grid | Text | str]:
+    """Yield what to print of a table: its title, its rows or the first of them, and how to see the rest."""
     if table.title:
-        yield _text(console, table.title, room, "bold")
+        yield _text(console, table.title, width, "bold")
     hidden_rows = len(table.rows) - MOST_ROWS
-    if table.rest and room < UNLIMITED and hidden_rows > 0:
-        yield from _rows(replace(table, rows=table.rows[:MOST_ROWS]), room)
-        yield _text(console, f"{hidden_rows} more rows: {table.rest}", room)
+    if table.rest and width < UNLIMITED and hidden_rows > 0:
+        yield from _rows(replace(table, rows=table.rows[:MOST_ROWS]), width)
+        yield _text(console, f"{hidden_rows} more rows: {table.rest}", width)
     else:
-        yield from _rows(table, room)
+        yield from _rows(table, width)
 
 
-def _rows(table: Table, room: int) -> Iterator[Grid | str]:
+def _rows(table: Table, width: int) -> Iterator[Grid | str]:
     """Yield the rows of a table in the first layout that fits or, if none does or it is a record, as blocks."""
     texts = [[_unbroken(text) for text in row] for row in table.texts()]
     for layout in () if table.record else (PLAIN_LAYOUT, STACKED, NARROW):
@@ -91,11 +91,11 @@ def _rows(table: Table, room: int) -> Iterator[Grid | str]:
         cells = [[row[index] for row in texts] for index in range(len(headings))]
         limits = [_limits(*column, layout) for column in zip(table.columns, headings, cells, strict=True)]
         gap = COLUMN_GAP if layout != NARROW else 1
-        widths = _shared(limits, room, gap)
+        widths = _widths_that_fit(limits, width, gap)
         if widths is not None:
             yield _grid(texts, widths, [column.numeric for column in table.columns], gap, headings)
             return
-    yield from _blocks(table, texts, room)
+    yield from _blocks(table, texts, width)
 
 
 def _heading(column: Column, layout: int) -> str:
@@ -125,13 +125,14 @@ def _longest_word(texts: Iterable[str]) -> int:
     return _longest(word for text in texts for word in text.split())
 
 
-def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = COLUMN_GAP) -> list[int] | None:
-    """Return the widths of columns that fit in `room` with gaps between them; None if even the least widths do not.
+def _widths_that_fit(limits: Sequence[tuple[int, int]], width: int, gap: int = COLUMN_GAP) -> list[int] | None:
+    """Return the widths of columns that fit in a width with gaps between them; None if even the least widths do not.
 
-    `limits` has the least and greatest width of each.  Columns that want least above their least width get it first.
+    All widths are in characters; `limits` has the least and greatest of each column.  Columns that want least above
+    their least width get it first.
     """
     widths = [least for least, _ in limits]
-    spare = room - sum(widths) - gap * (len(widths) - 1)
+    spare = width - sum(widths) - gap * (len(widths) - 1)
     if spare < 0:
         return None
     shortfalls = [greatest - least for least, greatest in limits]
@@ -146,9 +147,9 @@ def _shared(limits: Sequence[tuple[int, int]], room: int, gap: int = COLUMN_GAP)
 def _grid(
     rows: Iterable[Sequence[str]], widths: Sequence[int], right: Sequence[bool], gap: int, headings: Sequence[str] = ()
 ) -> Grid:
-    """Lay out rows in columns of given widths, under headings if there are any.
+    """Return a grid of rich with rows in columns of given widths, characters, under headings if there are any.
 
-    `right` says which columns are aligned at the right.
+    `right` says which columns are aligned at the right, and `gap` is the width between columns.
     """
     grid = Grid(box=ROW_RULE, show_header=bool(headings), show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
     for index, width in enumerate(widths):
@@ -159,17 +160,17 @@ def _grid(
     return grid
 
 
-def _blocks(table: Table, texts: Sequence[Sequence[str]], room: int) -> Iterator[Grid | str]:
+def _blocks(table: Table, texts: Sequence[Sequence[str]], width: int) -> Iterator[Grid | str]:
     """Yield a block for each row of a table: a line for each cell that is not empty, with label, value and unit."""
     for index, row in enumerate(texts):
-        quantities = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
-        number = _longest(text for column, text in quantities if column.numeric)
-        labels = [_unbroken(column.label) for column, _ in quantities]
-        values = [text.rjust(number, STAND_IN) if column.numeric else text for column, text in quantities]
-        units = [STAND_IN + column.unit if column.unit and text[-1].isdigit() else "" for column, text in quantities]
+        filled = [(column, text) for column, text in zip(table.columns, row, strict=True) if text]
+        number_width = _longest(text for column, text in filled if column.numeric)
+        labels = [_unbroken(column.label) for column, _ in filled]
+        values = [text.rjust(number_width, STAND_IN) if column.numeric else text for column, text in filled]
+        units = [STAND_IN + column.unit if column.unit and text[-1].isdigit() else "" for column, text in filled]
         values = [value + unit for value, unit in zip(values, units, strict=True)]
         limits = [(_longest_word(column), _longest(column)) for column in (labels, values)]
-        widths = _shared(limits, room) or [least for least, _ in limits]
+        widths = _widths_that_fit(limits, width) or [least for least, _ in limits]
         if index:
             yield ""
         yield _grid(zip(labels, values, strict=True), widths, (False, False), COLUMN_GAP)

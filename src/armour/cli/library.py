@@ -94,7 +94,10 @@ def init(
 
 
 def _init_suite(file: Path, sources: Sequence[str], shipped: Mapping[str, Path], *, force: bool) -> None:
-    """Write a suite that watches scenarios; files among them are relative to its folder, and others are `shipped`."""
+    """Write a suite that watches the scenarios of `sources`: files, folders of them, or names of `shipped` ones.
+
+    The suite names files relative to its folder.
+    """
     from armour.validation.new_suite import new_suite
 
     def read(path: Path) -> armour.Scenario:

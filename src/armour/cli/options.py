@@ -12,12 +12,12 @@ from armour.cli import completion
 
 
 def argument(metavar: str, description: str, default: Any = ..., *, words: Any = None) -> Any:
-    """Make a positional argument, which must be given if it has no default; the shell completes it with the words."""
+    """Make a positional argument, which must be given if it has no default; the shell completes it with `words`."""
     return typer.Argument(default, metavar=metavar, help=description, show_default=False, autocompletion=words)
 
 
 def text(description: str, *names: str, default: Any = None, words: Any = None, **settings: Any) -> Any:
-    """Make an option whose value is a text, or several; the shell completes it with the words."""
+    """Make an option whose value is a text, or several; the shell completes it with `words`."""
     return typer.Option(default, *names, help=description, show_default=False, autocompletion=words, **settings)
 
 

@@ -133,7 +133,7 @@ def read_scenario(
         real_path = scenario_file(path)
         file, folder, text = str(path), real_path.parent, read_text(real_path)
     data = parse_toml(text, file)
-    with restated(lambda problem: _blamed(problem, changes) if problem.file == file else problem):
+    with restated(lambda problem: _as_set_option(problem, changes) if problem.file == file else problem):
         loaded = parse_changed(data, changes, file=file, folder=folder)
     check_effect(values_by_key(changes), [(loaded, asked.reads)], "command line", asked.computed, "--set ")
     with as_options("requiring"):
@@ -160,29 +160,29 @@ def read_each(paths: Iterable[Path], read: Callable[[Path], Scenario]) -> list[S
 
 
 def with_change(changes: Iterable[str] | None, key: str, value: str | None) -> list[str]:
-    """Return the changes of ``--set`` with one more, by the option of a command that sets a key, if it is given."""
+    """Return the changes of ``--set`` and, if an option of the command gives a value of a key, this change too."""
     return [*(changes or ()), *([] if value is None else [f"{key}={value}"])]
 
 
 def say_how_read(table: object, content: Content) -> Content:
-    """Say how a table was read, if that was not obvious, and return its content."""
+    """Say how the shots or tests of a table were read, if that was not obvious, and return them."""
     if content.read is not None and not content.read.plain:
         say(f"read {table}: {content.read.words}")
     return content
 
 
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
-    """Return the changes of ``--set`` whose keys a command reads, given the keys ``reads``."""
+    """Return the changes of ``--set`` whose keys are among those that a command ``reads``, or below them."""
     return [text for text in changes if all(is_read(key, reads) for key in values_by_key(changes_of([text])))]
 
 
 def source_word(file: str | Path) -> str:
-    """Return a file as a word of a command line; "./" precedes a hyphen, which would begin an option."""
+    """Return a file as a word to type on a command line; "./" precedes a hyphen, which would begin an option."""
     return f"./{file}" if str(file).startswith("-") and str(file) != "-" else str(file)
 
 
-def _blamed(problem: Problem, changed: Iterable[str]) -> Problem:
-    """Restate a problem under ``--set`` if this changed its key, a table around the key, or a value within it."""
+def _as_set_option(problem: Problem, changed: Iterable[str]) -> Problem:
+    """Return a problem under ``--set`` if this changed its key, a table around the key, or a value within it."""
     if any(key in upwards(problem.key) or problem.key in upwards(key) for key in changed):
         return Problem("command line", f"--set {problem.key}", problem.message)
     return problem
@@ -247,7 +247,7 @@ def propose(command: str) -> None:
 
 
 def drawing() -> Any:
-    """Import and return the module that draws.
+    """Import and return the module that draws, `armour.reporting.pictures.drawing`.
 
     During the import, the current folder is that of this file, as matplotlib would read settings there.
     """
@@ -296,8 +296,8 @@ def warnings_of(scenario: Scenario | None, warnings: Iterable[Note], file: str =
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    told = list(dict.fromkeys(warnings))
-    shown = list(map(str, told)) if verbose else in_one_line(told, "with -v")
+    distinct = list(dict.fromkeys(warnings))
+    shown = list(map(str, distinct)) if verbose else in_one_line(distinct, "with -v")
     return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 

@@ -175,7 +175,7 @@ def check(
             warnings += runner.warnings_of(loaded, found.notes, verbose=verbose) if is_own or verbose else []
     data = [_checked_data(found) for found in results]
     moves = [] if against is None else [*moved(earlier, data, str(against))]
-    of_moved = [] if against is None else views.tables_of_moved(moves, str(against))
+    move_tables = [] if against is None else views.tables_of_moved(moves, str(against))
     if as_json:
         data = data if against is None else _with_moves(data, moves)
         show_json(data[0] if is_one and len(data) == 1 else data)
@@ -184,9 +184,9 @@ def check(
             show(views.check_summary(results), *views.checks_table(results))
         for found in results if is_one or verbose else ():
             show(*([] if is_one else ["", views.name_of(found)]), *views.tables_of_check(found))
-        if of_moved:
+        if move_tables:
             emit("\n")
-            show(*of_moved)
+            show(*move_tables)
 
     def suites() -> Iterator[Element]:
         for loaded, found, taken in zip(scenarios, results, seconds, strict=True):
@@ -194,18 +194,18 @@ def check(
         if against is not None:
             yield views.moved_junit(moves, str(against), runner.origin_of())
 
-    of_each = ({"scenario": views.name_of(found), **row} for found in results for row in found)
+    rows = ({"scenario": views.name_of(found), **row} for found in results for row in found)
     files: Files = {
         junit: lambda _: junit_xml(suites()),
-        markdown: lambda _: markdown_report(views.check_report(results, of_moved)),
-        csv: lambda _: rows_csv(of_each if table is None else CheckResults(results).rows()),
+        markdown: lambda _: markdown_report(views.check_report(results, move_tables)),
+        csv: lambda _: rows_csv(rows if table is None else CheckResults(results).rows()),
         plot: runner.picture(lambda: armour.plot(results[0]), scenarios[0]),
     }
     runner.write(files, warnings)
     if is_one and not as_json:
         command, words = views.next_step(results[0])
         if command:
-            typed = _typed(command, changes, probability, by_model=by_model and command != "report")
+            typed = _options_to_repeat(command, changes, probability, by_model=by_model and command != "report")
             _propose(command, scenarios[0], typed, words)
         else:
             runner.propose(words)
@@ -214,14 +214,14 @@ def check(
 
 
 def _checked_data(result: "armour.CheckResult") -> dict[str, Any]:
-    """Return the check of an armour as plain data, with the name and the labels of an offer."""
+    """Return the check of an armour for --json, with the name and the labels of an offer, if it is one."""
     scenario = result.question["scenario"]
     labelled = {key: result.question[key] for key in ("name", "labels") if key in result.question}
     return {"scenario": scenario.file, **labelled, **result.to_dict(), "made_by": runner.origin_of(scenario)}
 
 
 def _with_moves(data: Sequence[dict[str, Any]], moves: Sequence[Moved]) -> list[dict[str, Any]]:
-    """Return the data of checks, each with what moved since the earlier one, and of earlier ones that are missing."""
+    """Return the data of checks, each with what differs from the earlier check, and of scenarios that only that had."""
     found = {each["scenario"]: {**each, "moved": []} for each in data}
     for move in moves:
         found.setdefault(move.scenario, {"scenario": move.scenario, "moved": []})["moved"].append(vars(move))
@@ -235,8 +235,8 @@ def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], wo
         runner.propose(f"{line} {words}".rstrip())
 
 
-def _typed(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
-    """Return the options given as words of another command, without changes that it does not read."""
+def _options_to_repeat(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
+    """Return the options given, as words of the command to go on with; omit changes of keys that it does not read."""
     asked = [] if probability is None else ["--probability", f"{probability:g}"]
     read = runner.accepted(changes or (), ANSWERS[command].reads)
     return [*asked, *["--by-model"] * by_model, *(word for change in read for word in ("--set", change))]
@@ -272,7 +272,7 @@ def optimise(
     check_outputs(*outputs, inputs=[loaded], force=force)
     with progress("impacts") as count, runner.as_options("optimise"):
         result = armour.optimise(loaded, on_progress=count)
-        map_page = "" if page is None else _map(result, loaded, changes or (), count)
+        map_page = "" if page is None else _map_page(result, loaded, changes or (), count)
     fails = result.reason == "none passes"
     saved: Files = {} if fails else {save: lambda path: result.shown.scenario.to_toml(path.parent)}
     files: Files = {csv: lambda _: design_csv(result), page: lambda _: map_page, **saved}
@@ -281,12 +281,12 @@ def optimise(
         words = " not written: the nearest design FAILS" if fails else ": not known whether this design holds"
         say(f"{save}{words}")
     if not as_json:
-        _propose_after(result, loaded, _typed("optimise", changes, probability, by_model=by_model), save)
+        _propose_after(result, loaded, _options_to_repeat("optimise", changes, probability, by_model=by_model), save)
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
 
 
-def _map(
+def _map_page(
     result: "armour.DesignResult", scenario: "armour.Scenario", changes: Sequence[str], count: Callable[..., None]
 ) -> str:
     """Return the HTML page with the map of all designs; `changes` are those of ``--set``; `count` shows progress."""

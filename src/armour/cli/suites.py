@@ -139,7 +139,7 @@ def figures(
 
 
 def _files_of(stem: Path, image: str, table: Table, figure: Any) -> runner.Files:
-    """Return the files of a figure, its table and its picture, with functions that make their contents."""
+    """Return the files of a figure, .csv with its table and `image` with its picture, as `runner.write` takes them."""
     return {
         stem.with_suffix(".csv"): lambda _: csv_text(table),
         stem.with_suffix(f".{image}"): runner.picture(lambda: figure, None),

@@ -75,9 +75,9 @@ def write_and_show(
             if effort.seconds > ANNOUNCED_S:
                 say(effort.words)
 
-        calls: Any = {"approve": approve, "tell": say, "command": runner.command_line()}
-        calls["on_chunk"] = lambda rows, stored: count(rows, stored=stored)
-        write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **calls)
+        callbacks: Any = {"approve": approve, "tell": say, "command": runner.command_line()}
+        callbacks["on_chunk"] = lambda rows, stored: count(rows, stored=stored)
+        write_sweep(scenario, source, quantities, output, workers=workers, replace=replace, **callbacks)
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     runner.show_answer({"rows": source.count, "output": str(output)}, shown, scenario, as_json=as_json)
@@ -105,6 +105,6 @@ def show_rows(
 
 
 def _notes(names: Sequence[str]) -> list[str]:
-    """Return a note on the meaning of the quantities of a sweep that need one."""
+    """Return a note on what "required_..." means if there are such quantities among these names, else none."""
     required = [name for name in names if QUANTITIES[name].on_grid]
     return [f"note: {', '.join(required)}: {REQUIRED_QUANTITIES}"] if required else []

@@ -1,4 +1,7 @@
-"""`tables_of`, `line_of` and `draw`, which show a result; `functools.singledispatch` chooses by its class."""
+"""Show a result as tables, as a line or as a picture, by the implementation registered for its class.
+
+`tables_of`, `line_of` and `draw` are functions of `functools.singledispatch`; views and pictures register with them.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,7 +15,10 @@ from armour.reporting.table import Table
 
 @singledispatch
 def tables_of(result: Result) -> list[Table | str]:
-    """Return all tables of a result, with notes on them."""
+    """Return what shows a result in a terminal or a report: tables, and lines before, between and after them.
+
+    If its `question` has `every_row`, which the option -v sets, these are all rows and details, else the main ones.
+    """
     raise NotImplementedError(type(result).__name__)
 
 
@@ -33,7 +39,7 @@ VIEW_PACKAGES = {tables_of: "views", line_of: "views", draw: "pictures"}
 
 
 def by_result(function: Any, result: object) -> Any:
-    """Return the implementation of one of these functions for the class of a result, after importing its module.
+    """Return the implementation of `tables_of`, `line_of` or `draw` for a result, after importing its module.
 
     Return None if the class has none, such as no picture.
     """

@@ -79,7 +79,11 @@ def design_page(
 
 
 def _question(catalogue: Catalogue) -> dict[str, Any]:
-    """Return the data of the page other than designs: requirements, the scenario's own armour, threats and notes."""
+    """Return the data of the page other than designs: requirements, the scenario's own armour, threats and notes.
+
+    "most" and "thickest" are the greatest areal density, kg/m², and thickness, mm, that [design] allows, if any;
+    "added" is what layers other than tile and plate add to both, and "usual" the probability if none is required.
+    """
     section, scenario = catalogue.section, catalogue.scenario
     return {
         "verdicts": list(map(verdict_word, VERDICTS)),
@@ -100,7 +104,7 @@ def _question(catalogue: Catalogue) -> dict[str, Any]:
             "velocity": scenario.impact.velocity_m_s,
             "obliquity": scenario.impact.obliquity_deg,
         },
-        "threats": [_threat(catalogue, i) for i in range(len(catalogue.threats))],
+        "threats": [_threat(catalogue, index) for index in range(len(catalogue.threats))],
         "notes": list(_notes(catalogue)),
         "exact": catalogue.sampled,
     }
@@ -114,17 +118,17 @@ def _subject(catalogue: Catalogue) -> str:
     return f"{armour} against {' and '.join(threat.title for threat in catalogue.threats)}"
 
 
-def _threat(catalogue: Catalogue, i: int) -> dict[str, Any]:
-    """Return the data of the i-th threat.
+def _threat(catalogue: Catalogue, index: int) -> dict[str, Any]:
+    """Return the data of the threat with an index: its name, velocity and requirements.
 
     "own" is the required probability of stopping, if the threat has one, "rod" the penetrator's length and diameter in
     mm, and "words" are what stands before and after the velocity.
     """
-    threat = catalogue.threats[i]
+    threat = catalogue.threats[index]
     most, speed = threat.probability_of_perforation, f" at {threat.velocity_m_s:g} m/s"
     before, _, after = threat.title.partition(speed)
     rows = catalogue.against_each(catalogue.candidates(0, np.ones(1), np.ones(1)))
-    core = Parameters(*rows.parameters[i].tolist())
+    core = Parameters(*rows.parameters[index].tolist())
     return {
         "name": threat.round_name,
         "words": [before, after],
@@ -178,10 +182,10 @@ def _pairs(catalogue: Catalogue, probabilities: tuple[float, ...], on_progress: 
     return [pair | {"coarser": coarser} for pair in pairs]
 
 
-def _nodes(layer: Layer, nodes: int) -> Floats:
-    """Return the thicknesses of a layer that are on offer, mm, with others between them up to about `nodes` in all."""
+def _nodes(layer: Layer, count: int) -> Floats:
+    """Return the thicknesses of a layer that are on offer, mm, with others between them: about `count` in all."""
     offered = layer.thicknesses()
-    parts = max(-(-nodes // len(offered)), 1)
+    parts = max(-(-count // len(offered)), 1)  # rounded up
     between = [np.linspace(low, high, parts, endpoint=False) for low, high in pairwise(offered)]
     return np.concatenate([*between, offered[-1:]])
 
@@ -189,7 +193,11 @@ def _nodes(layer: Layer, nodes: int) -> Floats:
 def _pair(
     catalogue: Catalogue, pair: int, grid: Sequence[Floats], probabilities: tuple[float, ...], on_progress: OnProgress
 ) -> dict[str, Any]:
-    """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm."""
+    """Return the data of a pair of materials; `grid` has its ceramic and back plate thicknesses, mm.
+
+    "densities" are those of the layers, kg/m³, 0 for a back plate that exists already, whose areal density, kg/m², is
+    "hull".  "offered" has the indices of the thicknesses on offer, and "excluded" those of designs beyond a bound.
+    """
     ceramics, backings = grid = with_known_edges(catalogue, pair, *grid)
     offer = catalogue.offers[pair]
     designs = design_map(catalogue, pair, ceramics, backings, probabilities, on_progress)
@@ -218,9 +226,9 @@ def _pair(
 def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[str, Any] | None:
     """Return what tests tell of the designs with, or without, a tile; None if there are none.
 
-    "unsound" says why the model does not hold, and "level" is the greatest that the designs then have in a search.  For
-    each threat, "tile" and "plate" are the least and greatest thicknesses tested, mm, "tiles" and "plates" words for
-    those on the page that are far from these, "far" what else is far, "source" and "floor" the tests where the
+    "unsound" says why the model does not hold, if it does not, and "rank" is the greatest of the designs in a search.
+    For each threat, "tile" and "plate" are the least and greatest thicknesses tested, mm, "tiles" and "plates" words
+    for those on the page that are far from these, "far" what else is far, "source" and "floor" the tests where the
     probability is known and whether it is at least that, and "why" the reason where it is not.
     """
     places = np.flatnonzero((designs.candidates.ceramic_mm > 0.0) == tiled)
@@ -246,28 +254,32 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
                 "why": "" if known[:, threat].all() else row_unknown.why_error_unknown(),
             }
         )
-    level, unsound = _unsound(catalogue, designs.pair, tiled=tiled)
-    return {"unsound": unsound, "level": level, "threats": of_threats}
+    rank, unsound = _greatest_rank(catalogue, designs.pair, tiled=tiled)
+    return {"unsound": unsound, "rank": rank, "threats": of_threats}
 
 
-def _unsound(catalogue: Catalogue, pair: int, *, tiled: bool) -> tuple[int, str]:
-    """Return the greatest level that designs of a pair have in a search, and why the model does not hold, if so."""
+def _greatest_rank(catalogue: Catalogue, pair: int, *, tiled: bool) -> tuple[int, str]:
+    """Return the greatest rank of designs of a pair in a search, 0 to 4, and why the model does not hold, else "".
+
+    The function `rank` in map.js lists the ranks.  `tiled` says which designs: those with a tile, or those without.
+    """
     offer, ceramic = catalogue.offers[pair], catalogue.materials[pair].ceramic
     lacking = tiled and ceramic is not None and catalogue.lacks_sources[pair]
-    for level, quantity, required, found, is_unsound in (
+    for rank, quantity, required, found, is_unsound in (
         (0, "backing_density_kg_m3", 0.0, offer.backing_density_kg_m3, not catalogue.metal[pair]),
         (2 if lacking else 3, "interlayers", 0.0, 0.0, catalogue.scenario.interlayers),
         (2, "flow_stress_sources", LEAST_SOURCES, 0 if ceramic is None else ceramic.sources, lacking),
     ):
         if is_unsound:
-            return level, requirement_words(Requirement(quantity, "", required, found, "not known"))
+            return rank, requirement_words(Requirement(quantity, "", required, found, "not known"))
     return 4, ""
 
 
 def _caveats(catalogue: Catalogue, designs: DesignMap) -> dict[str, Any]:
-    """Return "caveats", sentences with the greatest ceramic thickness, mm, that they apply to, and "low".
+    """Return the caveats of the model on the designs of a pair.
 
-    The latter is whether the ballistic limit of a bare plate against each threat is too low.
+    "caveats" has sentences, each with the greatest ceramic thickness, mm, that it applies to; "low" says for each
+    threat whether the computed ballistic limit of a bare plate is too low.
     """
     rows, threats = catalogue.against_each(designs.candidates), len(catalogue.threats)
     ceramic_mm, notes = designs.candidates.ceramic_mm, []

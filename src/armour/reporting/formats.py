@@ -39,7 +39,7 @@ def report_text(report: Report, path: Path) -> str:
 
 
 def html_report(report: Report) -> str:
-    """Format a report as HTML."""
+    """Format a report as a page of HTML, with its pictures."""
     numbers = count(1)
 
     def shown(draw: "Callable[[Sheet], Picture]", heading: str) -> tuple[str, Markup, str]:
@@ -70,7 +70,7 @@ def rendered(template: str, safe_text: Callable[[str], str] = _safe_text, **cont
 
 
 def inline_svg(picture: "Picture", label: str, name: str) -> str:
-    """Return a picture as an SVG element, which screen readers announce by its label.
+    """Return a picture as the text of an SVG element, which screen readers announce by its label.
 
     `name` is a prefix of the element's identifiers, different for every picture of a page.
     """
@@ -108,7 +108,7 @@ def _adapted_attribute(key: str, value: str, name: str) -> str:
 
 
 def markdown_report(report: Report) -> str:
-    """Format a report as Markdown."""
+    """Format a report as Markdown, without its pictures."""
     return rendered("report.md", markdown_text, report=report, fenced=_fenced).rstrip() + "\n"
 
 

@@ -31,7 +31,7 @@ class TestCase(NamedTuple):
 
 
 def junit_suite(name: str, cases: Iterable[TestCase], seconds: float, origin: Mapping[str, str]) -> ElementTree.Element:
-    """Return the element of a test suite with its cases.
+    """Return the XML element of a test suite with its test cases.
 
     `seconds` is the time that all of them took.  `origin` has properties of the suite, such as the program version.
     """

@@ -14,7 +14,7 @@ from armour.statistics.v50 import FiringResult, LotResults, MeanV50, Shots
 
 
 def firing_report(result: Result, command: str) -> Report:
-    """Make the record of a firing, or of several lots, each on a page of its own; `command` makes the record."""
+    """Return the record of a firing, or of lots, each on its own page; it shows `command`, which makes it."""
     if isinstance(result, FiringResult):
         return _page(result, command)
     assert isinstance(result, LotResults)
@@ -27,7 +27,10 @@ def firing_report(result: Result, command: str) -> Report:
 
 
 def _page(result: FiringResult, command: str, name: str = "", differences: Sequence[str] = ()) -> Report:
-    """Make the page of a lot, whose `name` is that of a column and its value, as "lot A"."""
+    """Return the page of a lot, whose `name` is that of a column and its value, as "lot A".
+
+    `differences` has a line for each comparison with another lot.
+    """
     shots, computed = result.question["shots"], result.subject()
     lines = shots.read.title if shots.read else ()
     used = ReportSection("Shots", tables=(_shot_table(shots, result.mean or next(iter(result.means), None)),))
@@ -56,7 +59,7 @@ def _page(result: FiringResult, command: str, name: str = "", differences: Seque
 
 
 def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
-    """Tabulate the shots used, and which of them a mean is of."""
+    """Tabulate the shots used, and mark those that the mean, if there is one, averages."""
     if mean is None:
         return views.shot_table(shots)
     # The mean is of the fastest partial and the slowest complete penetrations.
@@ -68,11 +71,11 @@ def _shot_table(shots: Shots, mean: MeanV50 | None) -> Table:
 
 def _not_used(shots: Shots, name: str) -> ReportSection:
     """Return the section with the rows of the table that are not used and why, without those of other lots."""
-    left = []
+    unused = []
     if shots.read is not None:
         chosen = dict(shots.read.chosen)
-        left = [row for row in shots.read.not_used if name != f"{row.column} {chosen.get(row.column)}"]
+        unused = [row for row in shots.read.not_used if name != f"{row.column} {chosen.get(row.column)}"]
     reason = Column("reason", prose=True), lambda row: f"{row.column}: {row.value or 'blank'}"
     written = Column("as written", prose=True), lambda row: "; ".join(filter(None, row.cells))
-    tables = (Table.of(left, Column.of("place", label="row"), reason, written),) if left else ()
-    return ReportSection("Shots not used", () if left else ("none",), tables=tables)
+    tables = (Table.of(unused, Column.of("place", label="row"), reason, written),) if unused else ()
+    return ReportSection("Shots not used", () if unused else ("none",), tables=tables)

@@ -51,7 +51,10 @@ class Report:
 
 
 def section_of(heading: str, lines: Sequence[Table | str], picture: Callable[..., Any] | None = None) -> ReportSection:
-    """Return the section with tables and notes, and with a picture, if any, which is folded."""
+    """Return a section with the tables and lines of a result and the function that draws its picture, if any.
+
+    A section with a picture is folded.
+    """
     tables = tuple(line for line in lines if isinstance(line, Table))
     paragraphs = tuple(line for line in lines if not isinstance(line, Table))
     pictures = () if picture is None else (picture,)

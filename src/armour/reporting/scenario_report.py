@@ -43,7 +43,7 @@ ONE_SHOT = "One shot, far from edges and joints; this report does not replace fi
 def scenario_report(
     scenario: Scenario, command: str, on_progress: OnProgress = ignore_progress, *, as_is: bool = False
 ) -> Report:
-    """Compute a scenario and make the report on it.
+    """Compute a scenario and return the report on it.
 
     The armour reported is the best design if the scenario asks for one, unless `as_is` keeps its own armour.  `command`
     makes the report, which shows it.
@@ -52,73 +52,73 @@ def scenario_report(
     def on_part(done: int, _total: int | None) -> None:
         on_progress(done, None)
 
-    design = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
-    checked = check(scenario, on_progress=on_part) if design is None else design.shown.check
+    search = optimise(scenario, on_progress=on_part) if asks_for_design(scenario) and not as_is else None
+    checked = check(scenario, on_progress=on_part) if search is None else search.shown.check
     armour: Scenario = checked.question["scenario"]
     threat = deciding(checked)
-    answer = armour.against(armour.threats()[checked.threats.index(threat)])
-    is_uncertain = scenario.distributions() and not misplaced(scenario.distributions(), scenario, answer)
-    limit = _or_none(ballistic_limit, answer, ignore_progress)
+    reported = armour.against(armour.threats()[checked.threats.index(threat)])
+    is_uncertain = scenario.distributions() and not misplaced(scenario.distributions(), scenario, reported)
+    limit = _or_none(ballistic_limit, reported, ignore_progress)
     explaining = {
-        "Results under uncertain inputs": _or_none(uncertainty, answer, on_part) if is_uncertain else None,
-        "The impact, stage by stage": simulate(answer, history=True),
-        "Sensitivity to the inputs": _or_none(sensitivity, answer, on_part),
+        "Results under uncertain inputs": _or_none(uncertainty, reported, on_part) if is_uncertain else None,
+        "The impact, stage by stage": simulate(reported, history=True),
+        "Sensitivity to the inputs": _or_none(sensitivity, reported, on_part),
     }
-    also = "" if design is None else design_view.nearly_as_good(design)
+    also = "" if search is None else design_view.nearly_as_good(search)
     facts = design_view.facts(checked, armour=armour.armour_words(), also=also)
-    notes = (*(checked if design is None else design).notes, *(() if limit is None else not_monotonic(limit)))
+    notes = (*(checked if search is None else search).notes, *(() if limit is None else not_monotonic(limit)))
     texts = {"scenario": scenario.title, "project": scenario.project, "author": scenario.author, "date": scenario.date}
     designs = []
-    if design is not None:
-        designs.append(section_of("Designs", design_view.tables_of_search(design), drawing_of(design, title="")))
+    if search is not None:
+        designs.append(section_of("Designs", design_view.tables_of_search(search), drawing_of(search, title="")))
     sections = (
         section_of("Threats", design_view.details(checked)),
-        *_own_tests(answer),
+        *_own_tests(reported),
         *designs,
         ReportSection("Assumptions and limits", notes=ASSUMPTIONS),
-        ReportSection("References", notes=reference_notes(_sources(scenario, answer, threat))),
+        ReportSection("References", notes=reference_notes(_sources(scenario, reported, threat))),
         *(
             section_of(name, by_result(tables_of, result)(result), drawing_of(result, title=""))
             for name, result in explaining.items()
             if result is not None
         ),
-        ReportSection("Values and their sources", tables=tuple(_values(answer)), folded=True),
+        ReportSection("Values and their sources", tables=tuple(_values(reported)), folded=True),
         ReportSection("Scenario", code=scenario.to_toml(), language="toml", folded=True),
         origin_section(command, scenario=scenario),
     )
     return Report(
-        title=answer.subject(threats=scenario.threat),
+        title=reported.subject(threats=scenario.threat),
         lead=f"{headline(checked)}.",
         passed={"passes": True, "expected to stop": None, "stopped by the model": None}.get(checked.verdict, False),
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,
-        facts=(*facts, ONE_SHOT, *filter(None, [_which_armour(scenario, design)])),
+        facts=(*facts, ONE_SHOT, *filter(None, [_which_armour(scenario, search)])),
         warnings=tuple(map(_warning, notes)),
-        cross_section=answer,
+        cross_section=reported,
     )
 
 
-def _or_none(question: Callable[..., Any], answer: Scenario, on_progress: OnProgress) -> Any:
-    """Call a function such as `ballistic_limit` for a scenario; return None if it has no answer.
+def _or_none(question: Callable[..., Any], scenario: Scenario, on_progress: OnProgress) -> Any:
+    """Return what `question`, a function such as `ballistic_limit`, answers for a scenario; None without an answer.
 
     An armour that no velocity perforates, for example, has no ballistic limit.
     """
     try:
-        return question(answer, on_progress=on_progress)
+        return question(scenario, on_progress=on_progress)
     except NoAnswerError:
         return None
 
 
 def _warning(note: Note) -> str:
-    """Return a note with the name of its input instead of the key."""
+    """Return a note as a warning, which names an input by its label instead of its key."""
     name = note.key.removeprefix("uncertainty.")
     is_input = name in INPUTS or name in NAMES.values()
     return str(replace(note, key=note.key.replace(name, in_words(name)))) if is_input else str(note)
 
 
-def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
+def _own_tests(reported: Scenario) -> Iterator[ReportSection]:
     """Yield a section for each material of the armour with own tests, with their source."""
-    for entry in filter(None, map(answer.entry_of, ("ceramic", "backing"))):
+    for entry in filter(None, map(reported.entry_of, ("ceramic", "backing"))):
         tests = next((value.tests for value in entry.values.values() if value.tests), [])
         if entry.evidence is not None and tests:
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
@@ -127,27 +127,33 @@ def _own_tests(answer: Scenario) -> Iterator[ReportSection]:
             yield ReportSection("Own tests", (source,), tables=(Table.of(tests, *columns),))
 
 
-def _sources(scenario: Scenario, answer: Scenario, threat: CheckedThreat) -> Iterator[str]:
-    """Yield texts that cite sources: of the model, of its error, of the values and of the threats."""
+def _sources(scenario: Scenario, reported: Scenario, threat: CheckedThreat) -> Iterator[str]:
+    """Yield texts that cite the sources of the model, of its error, of the values and of the threats as "[key]".
+
+    `reported` is `scenario` with the reported armour against the deciding threat.
+    """
     yield "[Paper]"
-    if threat.model_error is not None and given_error(answer) is None:
-        yield from (evidence.source for evidence, _ in armours_of(answer).by_evidence)
-    for entry in filter(None, map(answer.entry_of, ROLES)):
+    if threat.model_error is not None and given_error(reported) is None:
+        yield from (evidence.source for evidence, _ in armours_of(reported).by_evidence)
+    for entry in filter(None, map(reported.entry_of, ROLES)):
         yield from (value.source for value in entry.values.values())
-    yield from phrases.threat_notes(scenario)
+    yield from phrases.threat_sources(scenario)
 
 
-def _values(answer: Scenario) -> Iterator[Table]:
+def _values(reported: Scenario) -> Iterator[Table]:
     """Yield a table of the values of each material and of the projectile, with their sources."""
-    for entry in filter(None, map(answer.entry_of, ROLES)):
+    for entry in filter(None, map(reported.entry_of, ROLES)):
         table = entry_table(entry, Column("quantity", prose=True), in_words)
         yield replace(table, title=f"{entry.kind.capitalize()}: {entry.name}")
 
 
-def _which_armour(scenario: Scenario, design: DesignResult | None) -> str:
-    """Return which armour is reported if the scenario asks for a design, and how to report on the other; else ""."""
-    if design is not None and (own := scenario.armour_words()) != design.shown.scenario.armour_words():
+def _which_armour(scenario: Scenario, search: DesignResult | None) -> str:
+    """Return which armour is reported if the scenario asks for a design, and how to report on the other; else "".
+
+    `search` is the result of the search for a design, None if there was none.
+    """
+    if search is not None and (own := scenario.armour_words()) != search.shown.scenario.armour_words():
         return f"This report is about the design found, not the scenario's own armour, {own}; use --as-is for that."
-    if design is None and asks_for_design(scenario):
+    if search is None and asks_for_design(scenario):
         return "This report is about the scenario's own armour; without --as-is it is about the design found."
     return ""

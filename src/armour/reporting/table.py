@@ -80,7 +80,7 @@ def number(value: float | str, spec: str) -> str:
 
 
 def beside(value: float, bound: float, decimals: int, *, at_most: bool = False) -> str:
-    """Format a number that stands beside a bound, the least allowed or, if `at_most`, the greatest.
+    """Format a number beside a bound, the least allowed or, if `at_most`, the greatest, so that a miss stays a miss.
 
     It is rounded half up, but to the unsafe side where it would otherwise seem to keep the bound; a bound with more
     decimals gives more.
@@ -137,7 +137,7 @@ class Column:
         return bool(self.spec)
 
     def text(self, value: Cell) -> str:
-        """Format a cell of the column; None gives an empty text, and a text is returned as it is."""
+        """Format a cell of the column without its unit; None gives an empty text, and a text is returned as it is."""
         return "" if value is None else number(value, self.spec)
 
     def with_unit(self, value: Cell) -> str:
@@ -163,7 +163,7 @@ class Table:
     @classmethod
     def of(cls, items: Iterable[Any], *sources: Source, title: str = "", rest: str = "") -> Self:
         """Make a table with a row for each item; omit columns without a value in any row."""
-        pairs = [_with_value(source) for source in sources]
+        pairs = [_column_and_value(source) for source in sources]
         rows = [[value(item) if callable(value) else value for _, value in pairs] for item in items]
         return cls.of_rows([column for column, _ in pairs], rows, title=title, rest=rest)
 
@@ -205,16 +205,16 @@ def grouped(items: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[A
 
 
 def of_part(part: Callable[[Any], Any], *sources: Source) -> Iterator[Source]:
-    """Apply sources to a part of each item, which `part` returns; cells are empty if it returns None."""
+    """Yield sources that show a part of each item, which `part` returns; cells are empty where it returns None."""
 
     def source_of(column: Column, value: Callable[[Any], Cell]) -> Source:
         return column, lambda item: None if part(item) is None else value(part(item))
 
-    return starmap(source_of, map(_with_value, sources))
+    return starmap(source_of, map(_column_and_value, sources))
 
 
-def _with_value(source: Source) -> tuple[Column, Any]:
-    """Return the column of a source, and its value or the function of an item that gives it."""
+def _column_and_value(source: Source) -> tuple[Column, Any]:
+    """Return the column of a source, and its value or the function that gives the value for an item."""
     return (source, attrgetter(source.key)) if isinstance(source, Column) else source
 
 

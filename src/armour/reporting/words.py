@@ -40,28 +40,28 @@ def rounded_down(number: float, decimals: int = 0) -> float:
 
 
 def sampled_percents(stopping: float, ends: tuple[float, float]) -> tuple[float, float, float]:
-    """Return a sampled probability of stopping and its interval, %, to a tenth: the upper end is rounded up."""
+    """Return a sampled probability of stopping and the ends of its interval, %; only the upper end is rounded up."""
     value, low, above = (rounded_down(100.0 * part, 1) for part in (stopping, ends[0], 1.0 - ends[1]))
     return value, low, 100.0 - above
 
 
-def requirement_words(row: Requirement) -> str:
+def requirement_words(requirement: Requirement) -> str:
     """Return what an armour has and what is required, such as "areal density 41.5 kg/m², at most 20 kg/m² allowed"."""
-    if row.quantity == "backing_density_kg_m3":
-        return no_metal(row.found or 0.0)
-    if row.quantity == "interlayers":
+    if requirement.quantity == "backing_density_kg_m3":
+        return no_metal(requirement.found or 0.0)
+    if requirement.quantity == "interlayers":
         return INTERLAYER
-    if row.quantity == "flow_stress_sources":
-        sources = counted(int(row.found or 0), "source")
-        return f"{sources} of the flow stress of its ceramic, at least {row.required:g} required"
-    unit = OBJECTIVES[row.quantity].unit
-    label = Column.of(row.quantity).label.removesuffix(unit)
-    found = "not known" if row.found is None else amount(row.quantity, row.found, row.required) + unit
-    return f"{label} {found}, at most {row.required:g}{unit} allowed"
+    if requirement.quantity == "flow_stress_sources":
+        sources = counted(int(requirement.found or 0), "source")
+        return f"{sources} of the flow stress of its ceramic, at least {requirement.required:g} required"
+    quantity, found, most = requirement.quantity, requirement.found, requirement.required
+    unit = OBJECTIVES[quantity].unit
+    text = "not known" if found is None else amount(quantity, found, most) + unit
+    return f"{Column.of(quantity).label.removesuffix(unit)} {text}, at most {most:g}{unit} allowed"
 
 
 def amount(quantity: str, value: float, most: float = inf) -> str:
-    """Format the areal density, thickness or cost of an armour, beside the most that is allowed."""
+    """Format the areal density, thickness or cost of an armour; rounding never brings it within the `most` allowed."""
     text = beside(value, most, 0 if quantity == "cost_per_m2" else 1, at_most=True)
     return text.removesuffix(".0") if quantity == "thickness_mm" else text
 
@@ -76,12 +76,15 @@ def said_of(notes: Iterable[Note], *kinds: str) -> list[str]:
 
 
 def far_line(far: Sequence[object], against: str = "") -> list[Table | str]:
-    """Return a line on what of an armour is far from the tests, if anything; `against` names the threat."""
+    """Return a line on what of an armour is far from the tests, none if nothing is.
+
+    `far` has what lies outside what was tested, in words by `str`; `against` is "" or as " against M2 AP".
+    """
     return [VerdictLine(f"far from the tests{against}: {', '.join(map(str, far))}", unsure=True)] if far else []
 
 
-def threat_notes(scenario: Scenario | None) -> list[str]:
-    """Return status and source of each threat of a scenario whose values in the library are unconfirmed."""
+def threat_sources(scenario: Scenario | None) -> list[str]:
+    """Return name, status and source of each threat of a scenario whose values in the library are unconfirmed."""
     names = dict.fromkeys(threat.threat for threat in scenario.threats()) if scenario else {}
     found = [(name, named_threats()[name]) for name in names if name]
     return [f"{name}: {threat.status}, {threat.source}" for name, threat in found if threat.status == "unconfirmed"]
@@ -102,7 +105,7 @@ def model_error_words(error: ModelError) -> str:
 
 
 def v50_notes(answer: ConfidenceResult | CheckedThreat, velocity_m_s: float) -> list[str]:
-    """Return how likely V50 exceeds the velocity of the round, if known, and how much single shots scatter about it."""
+    """Return a line on how likely V50 exceeds the velocity of a round, and on the scatter of shots; none if unknown."""
     exceeds, error = answer.probability_v50_exceeds_velocity, answer.model_error
     if exceeds is None or error is None:
         return []
@@ -142,19 +145,19 @@ def own_tests(here: TestsHere) -> str:
 
 
 def needed_flow_stress(needed: NeededFlowStress, *, likely: bool = True) -> str:
-    """Return the least flow stress with which a ceramic without tests stops a threat by the model, and its sources.
+    """Return in words the least flow stress with which a ceramic without tests stops a threat, and what sources give.
 
-    If `likely`, return also the one for a probability, with the error seen on AD85.
+    It is the one by the model and, if `likely`, also the one for a probability, with the error seen on AD85.
     """
     sources = " to ".join(f"{each:g}" for each in needed.sources_GPa)
-    told = f"sources give {sources}" if sources else "no source"
+    given = f"sources give {sources}" if sources else "no source"
     if needed.needed_GPa is None:
-        return f"no flow stress of {needed.ceramic} up to 100 GPa is enough; {told}"
-    least, enough = f"{rounded_up(needed.needed_GPa)} GPa by the model", needed.needed_for_probability_GPa
+        return f"no flow stress of {needed.ceramic} up to 100 GPa is enough; {given}"
+    words, enough = f"{rounded_up(needed.needed_GPa)} GPa by the model", needed.needed_for_probability_GPa
     if likely:
         more = "no value" if enough is None else f"{rounded_up(enough)} GPa"
-        least += f", {more} for {percent(needed.probability)}"
-    return f"a flow stress of {needed.ceramic} of {least}; {told}"
+        words += f", {more} for {percent(needed.probability)}"
+    return f"a flow stress of {needed.ceramic} of {words}; {given}"
 
 
 def rounded_up(number: float) -> str:
@@ -163,7 +166,7 @@ def rounded_up(number: float) -> str:
 
 
 def basis_notes(answer: ConfidenceResult | CheckedThreat) -> list[str]:
-    """Return what a probability of stopping rests on: the model error, or the distributions of the inputs alone.
+    """Return lines on what a probability of stopping rests on: the model error, or the distributions of inputs alone.
 
     If it is unknown, return why, and the flow stress that the ceramic needs.
     """

@@ -1,4 +1,4 @@
-"""Rows of a sweep, from a grid of values or a table of cases."""
+"""Read the rows of a sweep, from values of keys, which make a grid, or from a table of cases."""
 
 import json
 import re
@@ -66,7 +66,7 @@ class Grid:
 
     @cached_property
     def digest(self) -> str:
-        """Hash of the keys and values of all axes."""
+        """Hash of the keys and values of all axes, by which a resumed sweep recognises its rows."""
         return sha256(json.dumps([(axis.key, axis.values) for axis in self.axes]).encode()).hexdigest()
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
@@ -79,7 +79,7 @@ class Grid:
         return {}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem of the row `start + row`, named by the values of this row or by the key of an axis."""
+        """Return a problem of row `start + row`, named by the key of an axis or, for other keys, by its values."""
         if problem.key in self.keys:
             return Problem("sweep", f"over {problem.key}", problem.message)
         row_values = {key: values[0].item() for key, values in self.rows(np.array([start + row])).items()}
@@ -91,6 +91,9 @@ class SweepCases:
     """Rows of a table whose header names keys of the scenario: numbers, and names of projectiles and materials.
 
     Columns of the names in `keep` are labels, such as an offer or its price.  A file is read once.
+
+    `count` is the number of rows, `keys` and `kept` are the names of the columns, `digest` is a hash of the values, and
+    `read` says how the table was read, or is "" if that was obvious.
     """
 
     axes: tuple[Axis, ...] = ()  # none: only a grid has axes
@@ -130,8 +133,8 @@ class SweepCases:
             content.update(json.dumps([key, column.dtype.str, self.count]).encode())
             content.update(column.tobytes())
         self.digest = content.hexdigest()
-        told, plain = source.told(counted(self.count, "row"), [f"{listed(self.kept)} kept unused"] * bool(self.kept))
-        self.read = "" if plain else told
+        words, plain = source.told(counted(self.count, "row"), [f"{listed(self.kept)} kept unused"] * bool(self.kept))
+        self.read = "" if plain else words
 
     def rows(self, places: NDArray[np.int64]) -> dict[str, Any]:
         """Return the rows at the indices `places`, (n,), as columns by key, (n,) each."""
@@ -142,12 +145,15 @@ class SweepCases:
         return {name: self._columns[name][places] for name in self.kept}
 
     def place(self, start: int, row: int, problem: Problem) -> Problem:
-        """Return a problem of the row `start + row`, named by the line of this row in the table."""
+        """Return a problem of row `start + row`, named by the line of this row in the table."""
         return Problem(self.file, self._places[start + row], f"{problem.key}: {problem.message}")
 
 
 def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: csv_files.Source) -> NDArray[Any]:
-    """Return the cells of a column as numbers or names, (n,); mistakes are recorded in the source."""
+    """Return the cells of a column as numbers or names, (rows,); record mistakes in the source.
+
+    `places` names the row of each cell, such as "line 3".
+    """
     key, values = column.key, list[Any]()
     if key in NAMING or not column.known:
         values = [*map(csv_value, cells)]
@@ -163,6 +169,7 @@ def _read(column: Column, places: Sequence[str], cells: Sequence[str], source: c
 
 
 def _is_key(name: str) -> bool:
+    """Return whether a heading names an input, or has the form of a dotted key, such as "armour.ceramic"."""
     return column_of(name, CASE_KEYS).known or re.match(r"[a-z_]+\.[^\s\d]", name) is not None
 
 
@@ -188,7 +195,7 @@ def axis_of(text: str) -> Axis:
 def source_of(
     over: Mapping[str, object] | None, cases: str | PathLike[str] | Rows | None = None, keep: Sequence[str] = ()
 ) -> Grid | SweepCases:
-    """Return the rows of a sweep: a grid, or cases if they are given."""
+    """Return the rows of a sweep: a grid of the values by key in `over`, or a table of cases with labels `keep`."""
     if (over is None) == (cases is None):
         raise mistake("sweep", "over", "must be given, or cases, but not both")
     if cases is not None:

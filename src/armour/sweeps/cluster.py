@@ -23,7 +23,7 @@ TIMEOUT_S = 10.0
 
 @contextmanager
 def connected(scheduler: str) -> Iterator["Client"]:
-    """Connect to the cluster at an address; "local" starts one on this machine, with one process per core."""
+    """Yield a client of the Dask cluster at an address; "local" starts one here, with one process per core."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -33,12 +33,12 @@ def connected(scheduler: str) -> Iterator["Client"]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with ExitStack() as started:
         try:
-            place: Any = scheduler
+            cluster: Any = scheduler
             if scheduler == "local":
-                place = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
+                cluster = started.enter_context(LocalCluster(threads_per_worker=1, dashboard_address="127.0.0.1:0"))
             else:
                 asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), TIMEOUT_S))
-            client = started.enter_context(Client(place, timeout=TIMEOUT_S))
+            client = started.enter_context(Client(cluster, timeout=TIMEOUT_S))
         except Exception as error:  # of any kind, depending on the kind of address and on Dask's settings
             obstacle = "no answer" if isinstance(error, TimeoutError) else str(error)
             must = 'must be "local" or the address of a Dask scheduler that answers'
@@ -62,7 +62,7 @@ async def _check_scheduler(address: str) -> None:
 
 @contextmanager
 def workers_of(client: "Client") -> Iterator[Workers]:
-    """Yield the workers of a cluster; the chunks of a worker that dies are tried again."""
+    """Yield functions that compute chunks on a cluster; the chunks of a worker that dies are tried again."""
     from distributed import wait
 
     def submit(function: Callable[[Rows], Chunk], rows: Rows) -> Any:
@@ -93,7 +93,7 @@ def workers_of(client: "Client") -> Iterator[Workers]:
 
 
 def _call(expected: str, call: bytes) -> Chunk:
-    """On a worker, make a call: a pickled function with its rows; `expected` is the hash of the program."""
+    """Return the chunk of a pickled function and its rows, on a worker whose program must have the `expected` hash."""
     if program() != expected:
         raise _error("must have workers with this version of armour and numpy, found a worker with others")
     function, rows = pickle.loads(call)
@@ -102,4 +102,5 @@ def _call(expected: str, call: bytes) -> Chunk:
 
 
 def _error(message: str) -> InputError:
+    """Return the error of a cluster that cannot be used, which names the option --scheduler."""
     return mistake("sweep", "--scheduler", message)

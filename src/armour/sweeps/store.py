@@ -81,17 +81,18 @@ class Store:
         self.output, self.folder, self.replace, self.fits = output, Path(f"{output}.parts"), replace, fits
         self.job = {**job, "format": "CSV" if is_csv(output) else "Parquet"}
         self.type = np.dtype([*types.items()])
-        self._new = self.folder / f".armour-{os.urandom(8).hex()}"
+        self._new_file = self.folder / f".armour-{os.urandom(8).hex()}"
         self.done, self.warnings, self.drawn = 0, Counter[str](), dict[int, tuple[Any, ...]]()
         self._written = False
 
     def __enter__(self) -> "Store":
+        """Open the database, which is made if there is none, and check the chunks in it."""
         refuse(unwritable(self.output))
         if exchangeable(self.output.parent):
             message = "must be in a folder that no other user can exchange or, like /tmp, one with the sticky bit"
             raise mistake(self.output, "", message)
         self._check_output()
-        with self._disk():
+        with self._disk_errors():
             make_folder(self.folder)
             self._database = sqlite3.connect(self.folder / "rows", timeout=0.0, isolation_level=None)
             try:
@@ -104,7 +105,7 @@ class Store:
     def __exit__(self, *_error: object) -> None:
         """Close the database; remove the folder if the table is written or there are no rows."""
         self._database.close()
-        self._new.unlink(missing_ok=True)
+        self._new_file.unlink(missing_ok=True)
         if self._written or not self.done:
             shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -118,18 +119,18 @@ class Store:
             warnings.update(chunk.warnings)
             for computed, (row, stored) in zip(zip(*chunk.columns.values(), strict=True), drawn, strict=False):
                 for name, value, found in zip(chunk.columns, computed, stored, strict=True):
-                    if value != found and (value == value or found == found):
-                        other = f"{name} = {found} in row {row + 1}, but computed {value}"
+                    if value != found and (value == value or found == found):  # NaN agrees with NaN
+                        difference = f"{name} = {found} in row {row + 1}, but computed {value}"
                         way_out = "if you began it on another machine, finish it there, otherwise "
-                        raise self._strange(other, f"{way_out}{START_AGAIN}")
+                        raise self._strange(difference, f"{way_out}{START_AGAIN}")
         if not warnings <= self.warnings:
             raise self._strange("too few warnings")
 
     def append(self, chunk: Chunk) -> None:
-        """Store the next rows."""
+        """Store a chunk, whose rows follow those that are done."""
         values = np.rec.fromarrays([*chunk.columns.values()], dtype=self.type)
         content = ABOUT.dump_json((self.job, dict(chunk.warnings))) + b"\n" + values.tobytes()
-        with self._disk():
+        with self._disk_errors():
             row = (self.done, checksum_of(self.done, content), content)
             self._database.execute("insert into chunk values (?, ?, ?)", row)
         self.done += chunk.rows
@@ -140,24 +141,24 @@ class Store:
 
         A Parquet file records ``made_by``, the program and command that made it.
         """
-        with self._disk():
-            with self._new.open("xb") as file:
+        with self._disk_errors():
+            with self._new_file.open("xb") as file:
                 write_table(file, self._labelled(labels), as_csv=is_csv(self.output), made_by=made_by)
                 file.flush()
                 os.fsync(file.fileno())
             self._check_output()
-            self._new.replace(self.output)
+            self._new_file.replace(self.output)
         self._written = True
 
     def _labelled(self, labels: Labels) -> Iterator[Mapping[str, Any]]:
-        """Yield the columns of each chunk, behind the labels of its rows."""
+        """Yield the columns of each chunk by name: first the labels of its rows, then their values."""
         done = 0
         for chunk in self._chunks():
             yield {**labels(np.arange(done, done + chunk.rows)), **chunk.columns}
             done += chunk.rows
 
     def _read(self) -> None:
-        """Lock the database, check it, and count its rows."""
+        """Lock and check the database, and read its chunks: count rows and warnings, and draw a row of each."""
         self._database.text_factory = bytes  # of damaged text too
         # The change to a log is made without a journal in a file.
         for pragma in ("locking_mode = exclusive", "journal_mode = memory", "journal_mode = wal"):
@@ -189,7 +190,7 @@ class Store:
             raise sqlite3.DataError("missing rows")
 
     def _chunk_of(self, content: bytes) -> Chunk | None:
-        """Return the chunk in bytes, None if they are none; refuse one of another job."""
+        """Return the chunk that `content` encodes, None if it encodes none; refuse one of another job."""
         line, _, values = content.partition(b"\n")
         try:
             job, warnings = ABOUT.validate_json(line)
@@ -205,15 +206,17 @@ class Store:
         return Chunk({name: rows[name].copy() for name in self.type.names or ()}, warnings)
 
     def _strange(self, found: str, way_out: str = START_AGAIN) -> InputError:
+        """Return the error of a folder with something that this sweep cannot have stored."""
         return mistake(self.folder, "", f"must have rows of this sweep, found {found}; {way_out}")
 
     def _check_output(self) -> None:
+        """Refuse an output that exists, unless it is a plain file to replace."""
         if self.output.is_symlink() or (self.output.exists() and not (self.replace and self.output.is_file())):
             raise mistake(self.output, "", "exists already; choose another name, or remove it")
 
     @contextmanager
-    def _disk(self) -> Iterator[None]:
-        """Turn errors of the file system and the database into an InputError."""
+    def _disk_errors(self) -> Iterator[None]:
+        """Turn errors of the file system and the database in the block into an InputError."""
         try:
             yield
         except sqlite3.OperationalError as error:
@@ -226,6 +229,7 @@ class Store:
             raise self._unwritable(error.filename or self.output, reason(error)) from None
 
     def _unwritable(self, path: str | Path, obstacle: str) -> InputError:
+        """Return the error of a file or folder that cannot be written."""
         way_out = f"; finished rows are kept, {RESUME}" if self.done else ""
         return mistake(path, "", f"cannot be written: {obstacle}{way_out}")
 

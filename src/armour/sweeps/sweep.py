@@ -53,7 +53,7 @@ WORDS_OF: dict[str, Sequence[str]] = {"outcome": ("perforated", "stopped"), VERD
 
 CODE_FOLDER = Path(__file__).resolve().parent.parent
 
-# Columns of values by key.
+# Columns of values by key, (rows,) each.
 Rows = Mapping[str, Any]
 # Called with the number of rows that are done, and whether these were on disk already.
 OnChunk = Callable[[int, bool], None]
@@ -69,7 +69,7 @@ class Effort(NamedTuple):
 
 
 class Workers(NamedTuple):
-    """How to compute chunks at the same time."""
+    """Functions that compute chunks at the same time, such as on a cluster."""
 
     submit: Callable[[Callable[[Rows], Chunk], Rows], Any]  # starts to compute a chunk; returns a future
     result: Callable[[Any], Chunk]  # waits for the chunk of a future
@@ -214,7 +214,7 @@ def sweep(
 def sweep_in_memory(
     scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str], threads: int | None, most: int
 ) -> SweepResult:
-    """Compute quantities of a scenario for every row of a source, at most ``most``, as `sweep` without a file."""
+    """Return quantities of a scenario for every row of a source, as `sweep` without a file; refuse over `most` rows."""
     if source.count > most:
         raise mistake("sweep", "output", f"must be given for more than {most:,} rows, found {source.count:,}")
     check(scenario, source, quantities)
@@ -225,7 +225,7 @@ def sweep_in_memory(
 
 
 def _omissions(source: Grid | SweepCases) -> list[str]:
-    """Return warnings of the ends of ranges that are left out."""
+    """Return warnings of ends of ranges that are left out, as they are not a whole number of steps away."""
     return [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
 
 
@@ -237,6 +237,7 @@ def _result(
     columns: Mapping[str, Any] = {},
     output: Path | None = None,
 ) -> SweepResult:
+    """Return the result of a sweep, whose columns, by name, are in memory or in the file `output`."""
     notes = tuple(map(Note, warnings))
     result = SweepResult(scenario, source.keys, tuple(quantities), source.count, output, notes, columns)
     return result.of(subject_of(scenario, source, quantities), scenario=scenario)
@@ -315,7 +316,7 @@ def blocks_of(source: Grid | SweepCases, size: int, start: int = 0) -> Iterator[
 
 
 def chunk_of(scenario: Scenario, rows: Rows, quantities: Sequence[str], threads: int | None) -> Chunk:
-    """Compute quantities for rows, columns of values by key; return them with these columns."""
+    """Return the chunk of some rows: their columns of values by key, the quantities computed, and warnings."""
     results, warnings = evaluated(scenario, rows, quantities, threads)
     words = {name: results[name].astype(np.array(WORDS_OF[name]).dtype) for name in WORDS_OF.keys() & {*quantities}}
     return Chunk({**rows, **results, **words}, warnings)
@@ -328,7 +329,7 @@ def types_of(source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, 
 
 
 def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
-    """Return whether a chunk from a file has the rows of a source from `start` on, and words of their quantities."""
+    """Return whether a stored chunk has the rows of a source from `start` on, and only words of their quantities."""
     if chunk.rows > MAX_CHUNK or start + chunk.rows > source.count:
         return False
     rows = source.rows(np.arange(start, start + chunk.rows))
@@ -337,7 +338,7 @@ def is_part_of(source: Grid | SweepCases, start: int, chunk: Chunk) -> bool:
 
 
 def computed(blocks: Iterator[Rows], compute: Callable[[Rows], Chunk], workers: Workers) -> Generator[Chunk]:
-    """Yield the chunk of each block of rows, in order, while workers compute the next chunks."""
+    """Yield the chunk that `compute` makes of each block of rows, in order, while workers compute the next ones."""
     running = deque[Any]()
     try:
         while True:
@@ -378,14 +379,14 @@ def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]
 
 
 def check_rows(scenario: Scenario, source: Grid | SweepCases) -> None:
-    """Check that every row is a valid scenario."""
+    """Raise an error that names the rows that are no valid scenarios, if there are any."""
     for start, rows in blocks_of(source, CHECKED_ROWS):
         for _ in scenarios_of(scenario, rows, partial(source.place, start)):
             pass
 
 
 def row_warnings(warnings: Mapping[str, int], rows: int) -> list[str]:
-    """Return the warnings with the number of rows that each concerns, of all `rows` of the table."""
+    """Return each warning in words with the number of rows that it concerns, of all `rows` of the table."""
     return [f"{words}; this concerns {number:,} of {rows:,} rows" for words, number in sorted(warnings.items())]
 
 
@@ -396,7 +397,7 @@ def effort_of(
     threads: int | None = None,
     workers: Workers | None = None,
 ) -> Effort:
-    """Estimate the effort of a sweep from the time of rows spread over it."""
+    """Estimate the effort of a sweep from the measured time of rows spread over it."""
     row_s = 0.0
     for sample, number in enumerate(SAMPLES):
         count = min(number, source.count)
@@ -426,7 +427,7 @@ def _program() -> str:
 
 
 def job_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> dict[str, str]:
-    """Return the job of a sweep: all that its rows depend on, in part as hashes, by name."""
+    """Return what identifies a sweep that is resumed: all that its rows depend on, in part as hashes, by name."""
     return {
         "version": armour.__version__,
         "program": program(),
@@ -437,6 +438,6 @@ def job_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[s
 
 
 def subject_of(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> str:
-    """Return what a sweep is of, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
+    """Return the armour and the threat of a sweep, such as "AD85 on 6.35 mm 6061-T6 against 7.62 mm AP"."""
     varied = {**dict.fromkeys(source.keys, ()), **{axis.key: axis.values for axis in source.axes}}
     return scenario.subject(varied if "impact" in reads_of(quantities) else {**ANY_VELOCITY, **varied})

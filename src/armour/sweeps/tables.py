@@ -41,9 +41,9 @@ def write_table(
     rest = next(tables)
     with pyarrow.parquet.ParquetWriter(file, rest.schema) as writer:
         for table in tables:
-            if whole := rest.num_rows // ROW_GROUP * ROW_GROUP:
-                writer.write_table(rest.slice(0, whole).combine_chunks(), ROW_GROUP)
-            rest = pyarrow.concat_tables([rest.slice(whole), table])
+            if full := rest.num_rows // ROW_GROUP * ROW_GROUP:  # number of rows in full groups
+                writer.write_table(rest.slice(0, full).combine_chunks(), ROW_GROUP)
+            rest = pyarrow.concat_tables([rest.slice(full), table])
         writer.write_table(rest.combine_chunks(), ROW_GROUP)
 
 

@@ -58,7 +58,7 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
     notes = [f"Drawn up to {shown:.3g} µs of {result.duration_us:.3g} µs."] if shown < result.duration_us else []
     notes += _caveats(result)
     scene = _Scene(result, history)
-    heights = [scene.high_inches(sheet.width), *(height for _, height, _ in PANELS)]
+    heights = [scene.height_inches(sheet.width), *(height for _, height, _ in PANELS)]
     picture = sheet.panels(headline(result), *heights, note=" ".join(notes))
     first, *over_time = picture.axes
     seen = history.time_us <= shown
@@ -78,12 +78,12 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
-    """Return sentences on what is far from the tests, and the caveats of the model."""
+    """Return sentences for the note of a picture: what of the armour is far from the tests, and the model's caveats."""
     return [sentence(str(text)) for text in (*far_of(result), *said_of(result.notes))]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:
-    """Name the stages above a panel by their codes, where there is room.
+    """Write the codes of the stages, such as "ii.1", above a panel, where there is room.
 
     `shown` is the last time drawn, µs, and `inches` the least width of the panel.
     """
@@ -99,7 +99,8 @@ def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) 
 class _Scene:
     """Pictures of an impact along the line of fire, to scale and side by side: at impact and at the end of each stage.
 
-    Lengths are in mm.
+    Lengths are in mm, times in µs; `moments` has time and event of each picture, and `words` the text above it.
+    The penetrator's axis is at y = 0, and the armour is drawn up to y = `top`.
     """
 
     def __init__(self, result: ImpactResult, history: History) -> None:
@@ -118,19 +119,19 @@ class _Scene:
         slots = (right - left).clip(min=0.85 * mean) + 0.15 * mean
         self.middles, self.width = np.cumsum(slots) - 0.5 * slots, float(slots.sum())
         self.starts = self.middles - 0.5 * (left + right)  # x of the front face of the armour
-        self.high = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
+        self.top = 0.5 * max(SHOWN_DIAMETERS * self.diameter, SHOWN_PART * (self.rod + self.ceramic + self.backing))
         events = ("\n".join(wrapped(event, EVENT_CHARACTERS)) for _, event in self.moments)
-        told = zip(times, self.velocities, events, strict=True)
-        self.words = [f"{time:.3g} µs\n{velocity:.0f} m/s\n{event}" for time, velocity, event in told]
+        states_with_events = zip(times, self.velocities, events, strict=True)
+        self.words = [f"{time:.3g} µs\n{velocity:.0f} m/s\n{event}" for time, velocity, event in states_with_events]
 
-    def high_inches(self, inches: float) -> float:
+    def height_inches(self, inches: float) -> float:
         """Return the height of a panel with the pictures, inches, given its width, inches."""
         lines = max(words.count("\n") + 1 for words in self.words)
-        return (inches - 0.1) * 2.05 * self.high / self.width + (1.3 * lines + BELOW) * drawing.SMALL_FONT / 72.0
+        return (inches - 0.1) * 2.05 * self.top / self.width + (1.3 * lines + BELOW) * drawing.SMALL_FONT / 72.0
 
     def draw(self, axes: Axes, inches: float) -> None:
         """Draw the pictures in a panel of a given width, inches."""
-        high = self.high
+        top, bottom = self.top, -1.05 * self.top
         hatches = ["xxx" if time >= self.fragmented_us - AT_ONCE_US else "" for time, _ in self.moments]
         for seen in zip(self.starts, self.depths, self.lengths, self.bulges, hatches, strict=True):
             self._draw_moment(axes, *seen)
@@ -139,17 +140,17 @@ class _Scene:
         look: Any = {"ha": "center", "fontsize": min(drawing.SMALL_FONT, room / (drawing.CHARACTER * (longest + 1)))}
         rods = [self.starts[0] - 0.5 * self.rod, *self.middles[1:]]
         for middle, words, rod, length in zip(self.middles, self.words, rods, self.lengths, strict=True):
-            axes.text(middle, high, words, va="bottom", **look)
-            axes.text(rod, -1.05 * high, f"penetrator\n{length:.3g} mm", va="top", **look)
+            axes.text(middle, top, words, va="bottom", **look)
+            axes.text(rod, bottom, f"penetrator\n{length:.3g} mm", va="top", **look)
         # The scale bar is below the text, whose height does not scale with the axes.
         figure: Any = axes.figure
         below = offset_copy(axes.transData, figure, y=-(BELOW - 0.5) * drawing.SMALL_FONT, units="points")
-        axes.plot([0.0, SCALE_MM], [-1.05 * high] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
-        axes.text(0.5 * SCALE_MM, -1.05 * high, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
+        axes.plot([0.0, SCALE_MM], [bottom] * 2, color=drawing.INK, linewidth=1.0, transform=below, clip_on=False)
+        axes.text(0.5 * SCALE_MM, bottom, f"{SCALE_MM:g} mm", va="bottom", transform=below, **look)
         if self.ceramic:
             axes.fill([], [], facecolor=CERAMIC_COLOUR, label="tile", **EDGE)
         axes.fill([], [], facecolor=METAL_COLOUR, label="plate", **EDGE)
-        axes.set(xlim=(0.0, self.width), ylim=(-1.05 * high, high), aspect="equal")
+        axes.set(xlim=(0.0, self.width), ylim=(bottom, top), aspect="equal")
         axes.set_axis_off()
 
     def _draw_moment(self, axes: Axes, start: float, depth: float, length: float, bulge: float, hatch: str) -> None:
@@ -157,7 +158,7 @@ class _Scene:
 
         `start` is the x of the front face; depth, length and bulge are those of the moment.
         """
-        half, high, total = 0.5 * self.diameter, self.high, self.ceramic + self.backing
+        half, high, total = 0.5 * self.diameter, self.top, self.ceramic + self.backing
         layers = (CERAMIC_COLOUR, 0.0, self.ceramic, hatch), (METAL_COLOUR, self.ceramic, total, "")
         for colour, near, far, pattern in layers:
             ahead = max(near + (bulge if near else 0.0), depth)
@@ -171,7 +172,7 @@ class _Scene:
 
 
 def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, str]]:
-    """Return the time of each picture, µs, with its event.
+    """Return the moments to draw: the time of each picture, µs, and the event at this time.
 
     These are all events or, if there are more than `PICTURES`, the first ones and the last.
     """
@@ -190,9 +191,9 @@ def _moments(result: ImpactResult, fragmented_us: float) -> list[tuple[float, st
 
 
 def _fragmented_us(p: Parameters, history: History) -> float:
-    """Return when the crack meets the penetrator, equation (7), µs; infinite if it never does.
+    """Return when the crack through the tile meets the penetrator, equation (7), µs; infinite if it never does.
 
-    In dwell this begins no stage.
+    In dwell this begins no stage, so that the stages do not tell it.
     """
     if not p.Hc0:
         return inf

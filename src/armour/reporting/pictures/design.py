@@ -65,7 +65,7 @@ def _map_of(result: DesignResult) -> "_Map":
 
 @dataclass(frozen=True)
 class _Map:
-    """A map of the designs of a pair of materials."""
+    """A picture of the designs of a pair of materials over their thicknesses: a map or, if one varies, a curve."""
 
     result: DesignResult
     catalogue: Catalogue
@@ -86,11 +86,11 @@ class _Map:
         return np.where(np.isnan(expected), self.grid.limits_m_s, expected)
 
     def required(self) -> tuple[Any, Any, str]:
-        """Return how far each design exceeds what is required, m/s, whether that is stated, and what is, in words.
+        """Return how far each design exceeds what is required, m/s, whether this is stated, and what is required.
 
-        Both are arrays, (ceramics, back plates).  The threat with the least excess counts.  A probability is not stated
-        where it is not known, or greater than that so far from the tests.  If none is known or required, the model
-        tells.
+        The first two are arrays, (ceramics, back plates); the last is words for a legend.  The threat with the least
+        excess counts.  A probability is stated, and so known, unless no tests tell or it is greater than may be stated
+        so far from them.  If none is known or required, the model tells.
         """
         margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
         excess_m_s = self.shown_m_s - velocities_m_s - margins_m_s
@@ -109,7 +109,7 @@ class _Map:
         return excess_m_s.min(axis=-1), is_stated, words
 
     def draw(self, axes: Axes) -> None:
-        """Draw the line of what is required, lines of the objective, and the best design."""
+        """Draw the map: where designs do what is required, lines of equal objective, and the best design."""
         x, y = self.grid.backing_mm, self.grid.ceramic_mm
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         axes.set(xlabel=in_words("armour.backing_thickness_mm"), ylabel=in_words("armour.ceramic_thickness_mm"))
@@ -126,13 +126,16 @@ class _Map:
         self.draw_best(axes, best, best.backing_thickness_mm, best.ceramic_thickness_mm)
 
     def draw_best(self, axes: Axes, best: Design, x: float, y: float) -> None:
-        """Draw the best or nearest design at a place of the panel."""
+        """Draw the best or nearest design at the place x, y of a panel."""
         look: Any = {"markersize": 9.0, "color": drawing.VERMILION if self.result.reason else drawing.INK}
         label = f"{view.best_word(self.result)}: {view.sizes(best)}"
         drawing.points(axes, [x], [y], label=label, **look)
 
     def draw_limits(self, axes: Axes, layer: str, threat: int) -> None:
-        """Draw the ballistic limits against a threat over the thickness of a layer, with a band for the model error."""
+        """Draw the ballistic limits over the thickness of a layer, with a band for the model error.
+
+        `threat` is the index of the threat.
+        """
         x, limits = getattr(self.grid, f"{layer}_mm"), self.shown_m_s[..., threat].ravel()
         if not np.isnan(self.grid.stopped_m_s[..., threat, :]).all():
             low, high = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
@@ -153,7 +156,7 @@ class _Map:
         return np.array([list(map(bool, each)) for each in self.catalogue.far_from_tests(self.grid.candidates)])
 
     def note(self) -> str:
-        """Return a note on dashed curves, or on what the line of a required probability includes."""
+        """Return a note on dashed curves, or on what the line of a required probability includes; else ""."""
         if self.varying is not None:
             return "Dashed lines are far from the tests." if self.is_far.any() else ""
         if not self.catalogue.required.any():
@@ -165,7 +168,7 @@ class _Map:
 
 
 def _tint(axes: Axes, x: Any, y: Any, values: Any, label: str, colour: str) -> None:
-    """Tint the region where values, (y, x), are positive."""
+    """Tint the region of a map where values, (y, x), are positive, and name it in the legend."""
     z = np.ma.masked_invalid(np.array(values, float))
     if z.max() > 0.0:
         axes.contourf(x, y, z, levels=[0.0, z.max() + 1.0], colors=[colour], alpha=TINT)
@@ -187,7 +190,7 @@ def _draw_front(axes: Axes, result: DesignResult) -> None:
 
 
 def _front_notes(result: DesignResult) -> list[str]:
-    """Return sentences on criteria of a Pareto front that are not drawn."""
+    """Return a sentence on the criteria of a Pareto front that are not drawn, none if all are."""
     hidden = " and ".join(view.OBJECTIVE_WORDS[key].label for key in result.criteria[2:])
     return [f"Designs that others beat in both criteria drawn are better in {hidden}."] if hidden else []
 

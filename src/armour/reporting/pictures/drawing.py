@@ -67,7 +67,7 @@ class NotebookFigure(Figure):
 
 @dataclass(frozen=True)
 class Picture:
-    """Panels, with a title that gives the answer and a note below."""
+    """What a function that draws returns: panels, with a title that gives the answer and a note to put below."""
 
     axes: list[Axes]
     title: str
@@ -98,7 +98,7 @@ class Sheet:
 
 
 def drawn(draw: Callable[[Sheet], Picture], sheet: Sheet, subject: str = "", title: str | None = None) -> Picture:
-    """Draw a picture by `draw`, and add its title, subject, note and legends.
+    """Return the picture that `draw` makes on a sheet, with its title, subject, note and legends added.
 
     `title` replaces the picture's title and the subject, which is what was drawn; an empty one leaves out title,
     subject and note.  A picture in a user's axes has neither subject nor note.
@@ -130,7 +130,7 @@ def _make_room(figure: Any, parts: Sequence[Any]) -> None:
 def _write_title_and_note(figure: Figure, lines: Sequence[str], note: str) -> list[Any]:
     """Write the title in bold, the subject beneath it, and the note below the panels, all at the left edge.
 
-    `lines` has the title and, if there is one, the subject.  Return the two texts, for `_make_room`.
+    `lines` has the title and, if there is one, the subject.  Return title and note, for which `_make_room` makes room.
     """
     width, (title, *subject) = figure.get_figwidth(), lines
     bold, plain = _wrapped_lines([title], width, TITLE, BOLD), _wrapped_lines(subject, width, FONT)
@@ -149,7 +149,7 @@ def _wrapped_lines(texts: Iterable[str], width: float, size: float, character: f
 
 
 def _add_legend(axes: Axes) -> list[Any]:
-    """Name curves, marks and regions in a legend below a panel; return a list with it, empty without one."""
+    """Add a legend of curves, marks and regions below a panel; return a list with it, empty if nothing has a label."""
     handles: list[Any] = axes.get_legend_handles_labels()[0]
     if not handles:
         return []
@@ -186,18 +186,18 @@ def saved(figure: Figure, suffix: str, made_by: str = "", **options: Any) -> byt
 
 
 def legible(label: str) -> str:
-    """Return a user's text as a label; a space precedes a leading underscore, which would hide it from the legend."""
+    """Return a user's text as a label for the legend, which would leave out one that begins with an underscore."""
     return printable_lines(f" {label}" if label.startswith("_") else label)
 
 
 def look_of(index: int) -> dict[str, Any]:
-    """Return colour and marker of the series with an index; when colours repeat, the markers differ."""
+    """Return colour and marker of the series at an index, as options of `plot`; if colours repeat, markers differ."""
     turn, colour = divmod(index, len(COLOURS))
     return {"color": COLOURS[colour], "marker": MARKERS[(colour + turn) % len(MARKERS)]}
 
 
 def points(axes: Axes, x: Any, y: Any, *, filled: bool = True, **look: Any) -> None:
-    """Draw separate points, whose marks are not clipped at the edge of the panel."""
+    """Draw separate points, whose marks may overlap the edge of the panel; `look` has options of `plot`."""
     style: Any = {"marker": "o", "linestyle": "none", "clip_on": False, "zorder": 4, "markeredgewidth": 0.6}
     style |= {"markeredgecolor": INK} if filled else {"markerfacecolor": "none", "markeredgewidth": 1.0}
     if len(x):
@@ -205,7 +205,10 @@ def points(axes: Axes, x: Any, y: Any, *, filled: bool = True, **look: Any) -> N
 
 
 def curve(axes: Axes, x: Any, y: Any, is_outside: Any, **look: Any) -> None:
-    """Draw a curve through n points, dashed and with hollow marks where `is_outside`, (n,), is true."""
+    """Draw a curve through n points, dashed and with hollow marks where `is_outside`, (n,), is true.
+
+    `look` has options of `plot`.
+    """
     outside = {"markerfacecolor": "none", "linestyle": "--"} if is_outside.any() else {}
     axes.plot(x, y, **look | outside)
     if outside and not is_outside.all():
@@ -249,14 +252,14 @@ def contours(
 
 
 def colours_of(axes: Axes, x: Any, y: Any, z: Any, heading: str) -> None:
-    """Draw a quantity z, (y, x), as colours with a colour bar; they are light, so that lines and names are legible."""
+    """Draw a quantity z, (y, x), as colours, light enough for lines and names on them, with a bar headed `heading`."""
     axes.grid(visible=False)
     mesh = axes.pcolormesh(x, y, np.ma.masked_invalid(z), cmap="Blues", alpha=0.5, shading="nearest", rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=heading)
 
 
 def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
-    """Return the height of a panel with a row for each name, inches."""
+    """Return the height of a panel that `rows` draws in, inches, with a row for each name and, if `titled`, a title."""
     lines = max((len(wrapped(name, 22)) for name in names), default=1)
     return 0.6 + 0.2 * titled + max(0.21, 0.16 * lines) * len(list(names))
 
@@ -264,8 +267,8 @@ def rows_height(names: Iterable[str], *, titled: bool = False) -> float:
 def rows(axes: Axes, names: Sequence[str], values: Mapping[str, Sequence[Any]], start: float | None = None) -> None:
     """Draw series of values as marks, with a row for each name, the first on top.
 
-    Stems begin at the x `start`, if it is given.
-    `values` has the series by label, each with a number for every name, None to leave it out.
+    `values` has the series by label, each with an x for every name, None to leave it out.  If `start` is given, a stem
+    joins each mark to this x.
     """
     axes.set_yticks(range(len(names)), ["\n".join(wrapped(printable_lines(name), 22)) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)

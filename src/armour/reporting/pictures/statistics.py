@@ -91,7 +91,7 @@ def draw_calibration(result: CalibrationResult, sheet: drawing.Sheet) -> drawing
     return picture
 
 
-# Height at which the posterior interval of V50 is drawn; the interval from the shots alone is at 0.5.
+# Height, on the axis of the part that perforate, of the posterior interval of V50; that from the shots alone is at 0.5.
 POSTERIOR = 0.4
 
 
@@ -136,7 +136,7 @@ def draw_firing(result: FiringResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 
 def draw_shots(axes: Axes, shots: Shots) -> None:
-    """Draw the shots over velocity: those stopped at 0, those that perforated at 1."""
+    """Draw the shots over velocity, in a panel of the part that perforate: stopped ones at 0, the others at 1."""
     for kind, complete, colour, marker in PENETRATIONS:
         if velocities := shots.of(complete=complete):
             drawing.points(axes, velocities, [complete] * len(velocities), marker=marker, label=kind, color=colour)

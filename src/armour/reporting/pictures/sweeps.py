@@ -65,7 +65,7 @@ def _draw_curve(axes: Axes, x: Any, values: Any, is_far: Any) -> None:
 
 
 def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column) -> None:
-    """Draw a quantity over two numerical keys as colours and contours."""
+    """Draw the quantity `answer` over two numerical keys as colours and contours; `table` is that of `draw_columns`."""
     (x, column), (y, row) = (np.unique(table[key], return_inverse=True) for key in keys)
     z = np.full((len(y), len(x)), np.nan)
     z[row, column] = table[answer.key]

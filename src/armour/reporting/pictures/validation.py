@@ -54,7 +54,7 @@ def draw_figure(panels: Sequence[Figure], sheet: drawing.Sheet) -> drawing.Pictu
 
 
 def _draw_panel(axes: Axes, figure: Figure) -> None:
-    """Draw the curves of a panel, and the levels and marks from the text of the paper."""
+    """Draw the curves of a panel, lines at the values that the text of the paper gives, and marks at its points."""
     section = figure.section
     axes.set(xlabel=section.x_label, ylabel=section.y_label, xlim=(figure.x[0], figure.x[-1]))
     for index, (label, values) in enumerate(figure.curves.items()):

@@ -130,51 +130,51 @@ function speeds(pair, t, z) {
   }
   return pair.asked[key].values;
 }
-// Level of a design in a search: 1 fails, 2 rests on one source, 3 is not known or not stated, 4 holds; 0 is no metal.
+// Rank of a design in a search: 1 fails, 2 rests on one source, 3 is not known or not stated, 4 holds; 0 is no metal.
 const states = (pair, k, t, z) => (tells(pair, k, t) ? pair.most[k * T + t] >= (z ?? 0) - 1e-6 : z === null);
-function level(pair, k, t, z) {
+function rank(pair, k, t, z) {
   // 32-bit floats are right to 1e-4 m/s.
   const reaches = speeds(pair, t, z)[k] >= state.velocities[t] - 1e-4;
-  return min(testsOf(pair, k).level, !reaches ? 1 : tells(pair, k, t) && states(pair, k, t, z) ? 4 : 3);
+  return min(testsOf(pair, k).rank, !reaches ? 1 : tells(pair, k, t) && states(pair, k, t, z) ? 4 : 3);
 }
-const leastLevel = (pair, k, asked) => min(...asked.map((z, t) => level(pair, k, t, z)));
+const leastRank = (pair, k, asked) => min(...asked.map((z, t) => rank(pair, k, t, z)));
 const tooLow = (pair, k, t) => !tells(pair, k, t) && pair.low[t] && !tile(pair, k);
 // Verdict on a design against a threat, as check gives it.
 function verdict(pair, k, t, z = wanted()[t]) {
   if (testsOf(pair, k).unsound) return NOT_KNOWN;
   const fails = z === null && !threats[t].margin && !tells(pair, k, t) ? PERFORATED : FAILS;
-  if (level(pair, k, t, z) === 1) return tooLow(pair, k, t) ? NOT_KNOWN : fails;
+  if (rank(pair, k, t, z) === 1) return tooLow(pair, k, t) ? NOT_KNOWN : fails;
   if (!states(pair, k, t, z)) return NOT_KNOWN;
   return z !== null ? PASSES : tells(pair, k, t) ? EXPECTED : STOPPED;
 }
 const judged = (pair, k) => min(light(pair, k) && !pair.excluded.has(k) ? PASSES : FAILS, ...wanted().map((z, t) => verdict(pair, k, t, z)));
 const isGood = (pair, k) => judged(pair, k) >= STOPPED;
 
-// Lightest design of at least a level, of known probability if possible.
+// Lightest design of at least a rank, of known probability if possible.
 function lightest(pair, least, asked = wanted()) {
   const key = [least, asked, state.velocities, state.most].join("|"), found = (pair.found ??= new Map());
   if (!found.has(key)) {
     if (found.size > 19) found.clear();
-    const fits = k => light(pair, k) && leastLevel(pair, k, asked) >= least;
+    const fits = k => light(pair, k) && leastRank(pair, k, asked) >= least;
     found.set(key, pair.designs.find(k => isKnown(pair, k) && fits(k)) ?? pair.designs.find(fits) ?? null);
   }
   return found.get(key);
 }
-// Design of a pair to show, as optimise does: the lightest of the highest level or, if all fail, the nearest.
+// Design of a pair to show, as optimise does: the lightest of the highest rank or, if all fail, the nearest.
 function answer(pair) {
-  for (const level of [4, 3, 2]) {
-    const found = lightest(pair, level);
-    if (found !== null) return { k: found, level, lack: 0 };
+  for (const rank of [4, 3, 2]) {
+    const found = lightest(pair, rank);
+    if (found !== null) return { k: found, rank, lack: 0 };
   }
   const asked = wanted(), within = pair.designs.filter(k => light(pair, k));
   let k = null, lack = Infinity;
   for (const each of within.length ? within : pair.designs.slice(0, 1)) {
     const lacks = asked.map((z, t) => state.velocities[t] - speeds(pair, t, z)[each]);
     // One of which it is not known that it fails comes first; last of these, without a metal.
-    const by = testsOf(pair, each).level ? max(...lacks) - 1e6 * lacks.every((by, t) => by <= 0 || tooLow(pair, each, t)) : -1e5;
+    const by = testsOf(pair, each).rank ? max(...lacks) - 1e6 * lacks.every((by, t) => by <= 0 || tooLow(pair, each, t)) : -1e5;
     if (by < lack) [k, lack] = [each, by];
   }
-  return { k, level: 1, lack };
+  return { k, rank: 1, lack };
 }
 // What no required probability would give, where one is.
 const even = pair => (anyAsked() ? lightest(pair, 4, none) : null);
@@ -194,7 +194,7 @@ function curve(pair, xs, reach) {
 function overProbability(pair, xs) {
   const own = threats.map(t => t.own && scoreOf(t.own)), first = lightest(pair, 4, own) ?? lightest(pair, 3, own);
   const ys = curve(pair, xs.map(x => scoreOf(x / 100)), k =>
-    leastLevel(pair, k, own) === 4 ? min(...own.map((z, t) => (z === null ? scored(pair, k, t) : Infinity))) + 1e-6 : NaN);
+    leastRank(pair, k, own) === 4 ? min(...own.map((z, t) => (z === null ? scored(pair, k, t) : Infinity))) + 1e-6 : NaN);
   return [pair.areal[first] ?? Infinity, ...ys.slice(1)];
 }
 function overVelocity(pair, t, xs) {
@@ -313,7 +313,7 @@ function besides(pair, best, ring) {
 // Order of pairs by what is shown of them.
 function better([p, a], [q, b]) {
   if (a.k === null || b.k === null) return (a.k === null) - (b.k === null);
-  return b.level - a.level || isKnown(q, b.k) - isKnown(p, a.k) || a.lack - b.lack || p.areal[a.k] - q.areal[b.k];
+  return b.rank - a.rank || isKnown(q, b.k) - isKnown(p, a.k) || a.lack - b.lack || p.areal[a.k] - q.areal[b.k];
 }
 
 // Quote for a shell.

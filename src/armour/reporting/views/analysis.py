@@ -35,7 +35,7 @@ STAGES = {
 
 @tables_of.register
 def tables_of_each(result: EachResult) -> list[Table | str]:
-    """Return a line for each of several results and, with `every_row`, its tables; and why others have none."""
+    """Return a line for each result and, with `every_row` in the question, its tables; then what has no answer."""
     shown, every_row = list[Table | str](), result.question.get("every_row")
     for name, part in result.results.items():
         part.of(every_row=every_row)
@@ -50,7 +50,7 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
 
     With `every_row` in the question, return also the armour, and what the probability rests on.
     """
-    unknown = _unknown(result)
+    unknown = _reasons_unknown(result)
     confidence: ConfidenceResult | None = result.question.get("confidence")
     left = [f"{result.residual_length_mm:.1f} mm and {result.residual_mass_g:.2f} g"]
     left += [f"plug {result.plug_velocity_m_s:.0f} m/s"] if result.plug_velocity_m_s else []
@@ -77,10 +77,10 @@ def far_of(result: ImpactResult | LimitResult) -> list[Table | str]:
 
 
 def armour_words(result: ImpactResult | LimitResult) -> str:
-    """Return armour and round with the areal density, also that with a back plate that exists already."""
-    words, whole = f"{result.areal_density_kg_m2:.1f} kg/m²", result.whole_areal_density_kg_m2
-    if whole not in (0.0, result.areal_density_kg_m2):
-        words += f" ({whole:.1f} kg/m² with the existing plate)"
+    """Return armour, round and areal density, also that with a back plate that exists already, which it leaves out."""
+    words, together = f"{result.areal_density_kg_m2:.1f} kg/m²", result.whole_areal_density_kg_m2
+    if together not in (0.0, result.areal_density_kg_m2):
+        words += f" ({together:.1f} kg/m² with the existing plate)"
     return ", ".join(filter(None, (result.subject(), words)))
 
 
@@ -103,12 +103,12 @@ def _limit_words(found: ConfidenceResult, outcome: str) -> str:
 @line_of.register
 def impact_in_a_line(result: ImpactResult) -> str:
     """Return the outcome of an impact by the model or, if it is not known, the reason."""
-    reasons = _unknown(result)
+    reasons = _reasons_unknown(result)
     return f"not known: {'; '.join(reasons)}" if reasons else _by_model(result).replace(":", " by the model:", 1)
 
 
-def _unknown(result: ImpactResult) -> list[str]:
-    """Return why the outcome is not known, though the model gives one."""
+def _reasons_unknown(result: ImpactResult) -> list[str]:
+    """Return the reasons why the outcome is not known though the model gives one; none if it is known."""
     return phrases.said_of(result.notes, "not known", *(["too low"] if result.outcome == "perforated" else []))
 
 
@@ -140,7 +140,7 @@ def limit_in_a_line(result: LimitResult) -> str:
 
 @line_of.register
 def history_in_a_line(result: History) -> str:
-    """Return the number of instants and their range."""
+    """Return the number of instants of a history and their range, µs."""
     return f"{len(result.time_us)} instants from 0 to {result.time_us[-1]:.2f} µs"
 
 
@@ -180,7 +180,7 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
 
 
 def crossings(result: LimitResult) -> list[Table | str]:
-    """Return the velocities at which the outcome changes, and the outcome above each, if it does so more than once."""
+    """Tabulate the velocities at which the outcome changes, and the outcome above each; nothing if it changes once."""
     if result.monotonic:
         return []
     columns = Column("velocity", "m/s", ".1f"), Column("outcome above")
@@ -189,7 +189,7 @@ def crossings(result: LimitResult) -> list[Table | str]:
 
 
 def tests_words(result: LimitResult) -> str:
-    """Return the tests from which the limit is expected, and those of this very armour; or why none are known."""
+    """Return the tests from which the limit is expected, or why it is not known, and the tests of this very armour."""
     here = measured_here(result)
     if (error := result.model_error) is None:
         source = f"not known: {result.reason.partition(';')[0]}" if result.reason else ""

@@ -38,14 +38,14 @@ METALS = "do not compare metals of different strength: the model exaggerates it"
 
 
 def verdict_word(verdict: Verdict) -> str:
-    """Return a verdict as people read it; FAILS is in capitals so that nobody overlooks it."""
+    """Return a verdict as it is shown: FAILS is in capitals so that nobody overlooks it."""
     return "FAILS" if verdict == "fails" else verdict
 
 
 def verdict_cell(result: CheckResult) -> str:
-    """Return the verdict on an armour, with what makes it not known where that is its ceramic alone."""
-    short = any(row.quantity == "flow_stress_sources" for threat in result.threats for row in threat.requirements)
-    return verdict_word(result.verdict) + ", one source" * (short and result.verdict == "not known")
+    """Return the verdict on an armour, with "one source" if it is not known as its flow stress has no more."""
+    lacking = any(each.quantity == "flow_stress_sources" for threat in result.threats for each in threat.requirements)
+    return verdict_word(result.verdict) + ", one source" * (lacking and result.verdict == "not known")
 
 
 def _names_its_speed(threat: CheckedThreat) -> bool:
@@ -65,13 +65,13 @@ def without_speed(threat: CheckedThreat) -> str:
 
 
 def limit_text(threat: CheckedThreat) -> str:
-    """Return the expected limit or, where no tests tell, that by the model, m/s, beside the velocity required."""
+    """Format the expected limit or, where no tests tell, that by the model, m/s; see `beside` for the rounding."""
     shown = shown_limit(threat.ballistic_limit_m_s, threat.expected_limit_m_s)
     return "none found" if shown is None else beside(shown, threat.velocity_m_s + threat.required_margin_m_s, 0)
 
 
 def chance_text(threat: CheckedThreat) -> str:
-    """Return the probability of stopping a shot, as exact as the one required."""
+    """Format the probability of stopping a shot, as exact as the one required, with its interval if sampled."""
     if threat.sampled is not None and threat.probability_of_stopping is not None:
         ends = 1.0 - threat.sampled.high, 1.0 - threat.sampled.low
         value, low, high = phrases.sampled_percents(threat.probability_of_stopping, ends)
@@ -81,12 +81,12 @@ def chance_text(threat: CheckedThreat) -> str:
 
 def reasons(threat: CheckedThreat) -> str:
     """Return why an armour has its verdict against a threat: probability or limit, and what is required."""
-    rows = {row.quantity: row for row in threat.requirements}
+    requirements = {each.quantity: each for each in threat.requirements}
     name, required = at_speed(threat), _required(threat)
     for unsound in ("backing_density_kg_m3", "interlayers", "flow_stress_sources"):
-        if unsound in rows:
-            return phrases.requirement_words(rows[unsound])
-    margin = rows.get("margin_m_s")
+        if unsound in requirements:
+            return phrases.requirement_words(requirements[unsound])
+    margin = requirements.get("margin_m_s")
     if margin is not None and margin.verdict != "passes":
         kind = "by the model" if threat.expected_limit_m_s is None else "expected"
         return f"limit {limit_text(threat)} m/s {kind} against {name}; {margin.required:g} m/s above it required"
@@ -106,6 +106,7 @@ def reasons(threat: CheckedThreat) -> str:
 
 
 def _required(threat: CheckedThreat) -> str:
+    """Return the required probability of stopping a shot, as "95 % required" or "none required"."""
     asked = threat.required_probability
     return "none required" if asked is None else f"{percent(asked)} required"
 
@@ -113,7 +114,7 @@ def _required(threat: CheckedThreat) -> str:
 @line_of.register
 def check_in_a_line(result: CheckResult) -> str:
     """Return the verdict on an armour in a line, with what decides about it."""
-    unmet = [row for row in result.requirements if row.verdict == result.verdict]
+    unmet = [each for each in result.requirements if each.verdict == result.verdict]
     if unmet and result.verdict in ("fails", "not known"):
         return f"{verdict_word(result.verdict)}: {'; '.join(map(phrases.requirement_words, unmet))}"
     alike = len({threat.verdict for threat in result.threats}) == 1 < len(result.threats)
@@ -131,7 +132,7 @@ def verdict_line(result: CheckResult) -> VerdictLine:
 
 def amounts(result: CheckResult) -> str:
     """Return areal density, thickness and cost of an armour in a line, with the most that is allowed of each."""
-    most, words = {row.quantity: row.required for row in result.requirements}, []
+    most, words = {each.quantity: each.required for each in result.requirements}, []
     for key, named in OBJECTIVES.items():
         if (value := getattr(result, key)) is not None:
             text = "cost " * (key == COST.key) + phrases.amount(key, value, most.get(key, inf))
@@ -142,7 +143,8 @@ def amounts(result: CheckResult) -> str:
 def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Table | str]:
     """Return what the verdict on an armour rests on: its limit and the tests, or a row for each of several threats.
 
-    For a check, `armour` stands first and what small changes do last; for a search, `also` names other designs.
+    `armour`, given for a check, is the armour in words, which stand first; what small changes do is then added.
+    `also`, given for a search, names the designs nearly as good.
     """
     threat, several, shown = deciding(result), len(result.threats) > 1, list[Table | str]()
     if several:
@@ -157,25 +159,25 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
                 *[(VERDICT, lambda each: verdict_word(each.verdict))] * (not alike),
             )
         )
-    rows = {"armour": armour and f"{armour}, {amounts(result)}"}
+    facts_by_label = {"armour": armour and f"{armour}, {amounts(result)}"}
     if _is_modelled(threat):
         changed = changes(threat) if armour else ""
-        rows |= {
+        facts_by_label |= {
             "limit": "" if several else limit_words(threat),
             "tests": tests_words(threat),
             "changed": f"against {threat.threat}: " * several + changed if changed else "",
             "needs": needs(threat),
         }
-    rows["within 1 %"] = also
-    shown.append(Table.of_facts(rows))
+    facts_by_label["within 1 %"] = also
+    shown.append(Table.of_facts(facts_by_label))
     if _is_modelled(threat):
         shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
     return [*shown, *phrases.said_of(result.notes)]
 
 
 def _is_modelled(threat: CheckedThreat) -> bool:
-    """Return whether the model describes the armour, so that its limit means something."""
-    return all(row.quantity not in ("backing_density_kg_m3", "interlayers") for row in threat.requirements)
+    """Return whether the model describes the armour: its back plate is a metal, directly behind the tile."""
+    return all(each.quantity not in ("backing_density_kg_m3", "interlayers") for each in threat.requirements)
 
 
 def limit_words(threat: CheckedThreat) -> str:
@@ -200,7 +202,7 @@ def tests_words(threat: CheckedThreat) -> str:
 
 
 def changes(threat: CheckedThreat) -> str:
-    """Return the probability, or else the limit by the model, of an armour with each small change, in a line."""
+    """Return in a line what each small change gives: the probability of stopping, or else the limit by the model."""
     known = threat.probability_of_stopping is not None
     words = []
     for each in threat.what_ifs:
@@ -213,7 +215,7 @@ def changes(threat: CheckedThreat) -> str:
 
 
 def needs(threat: CheckedThreat) -> str:
-    """Return the flow stress that a ceramic without tests needs to stop a threat by the model."""
+    """Return in words the flow stress that a ceramic without tests needs to stop a threat; "" if it is not needed."""
     needed = threat.flow_stress
     if threat.verdict != "not known" or needed is None or needed.needed_GPa is None:
         return ""
@@ -228,11 +230,15 @@ def tables_of_check(result: CheckResult) -> list[Table | str]:
 
 
 def _every_row(result: Any) -> bool:
+    """Return whether all rows and details of a result are asked for, as by -v."""
     return bool(result.question.get("every_row"))
 
 
 def next_step(result: CheckResult) -> tuple[str, str]:
-    """Return the command to go on with after a check, or "" if another scenario answers nothing, and other words."""
+    """Return the command to go on with after a check, and the words that follow it.
+
+    The command is "" if no command for the same scenario leads further; the words then say what does.
+    """
     threat = deciding(result)
     if result.verdict == "passes":
         return "report", ""
@@ -253,22 +259,25 @@ def next_step(result: CheckResult) -> tuple[str, str]:
 
 
 def details(result: CheckResult) -> list[Table | str]:
-    """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat."""
+    """Return what -v and reports add to a check: the numbers of the model, and what they rest on, by threat.
+
+    With a back plate that exists already, they begin with the areal density and thickness of both together.
+    """
     shown = list[Table | str]()
     if result.whole_thickness_mm != result.thickness_mm:
-        whole = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
-        shown.append(f"{whole} with the back plate, which exists")
+        together = f"{AREAL_DENSITY.text(result.whole_areal_density_kg_m2)} kg/m², {result.whole_thickness_mm:.4g} mm"
+        shown.append(f"{together} with the back plate, which exists")
     tables = [_detail_table(threat) for threat in result.threats if _is_modelled(threat)]
-    notes = []
+    remarks = []
     for threat in result.threats:
         against = f"against {threat.threat}: " * (len(result.threats) > 1)
-        told = *phrases.v50_notes(threat, threat.velocity_m_s), *phrases.basis_notes(threat)
-        notes += [against + note for note in told]
-    return [*shown, *tables, *notes, *phrases.threat_notes(result.question["scenario"])]
+        of_threat = *phrases.v50_notes(threat, threat.velocity_m_s), *phrases.basis_notes(threat)
+        remarks += [against + remark for remark in of_threat]
+    return [*shown, *tables, *remarks, *phrases.threat_sources(result.question["scenario"])]
 
 
 def _detail_table(threat: CheckedThreat) -> Table:
-    """Return the table of an armour with each small change: limits, interval and probability."""
+    """Tabulate limits, interval and probability against a threat, of the armour as given and with each small change."""
     title = at_speed(threat) + ", with exact inputs" * (threat.sampled is not None)
     return Table.of(
         (threat.as_given(), *threat.what_ifs),
@@ -295,7 +304,7 @@ def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
         *_verdict_columns,
         (VERDICT, verdict_cell),
     )
-    return [table, *_by_model(results)]
+    return [table, *_explained_mark(results)]
 
 
 # Columns of a table of armours, of which each row is a check.
@@ -308,13 +317,13 @@ _verdict_columns: tuple[Source, ...] = (
 
 
 def _marked_limit(threat: CheckedThreat) -> str:
-    """Return the limit of an armour, marked if it is by the model; "none" where the model does not hold."""
+    """Return the limit of an armour, m/s, with "*" if it is by the model; "none" where the model does not hold."""
     by_model = threat.ballistic_limit_m_s is not None and threat.expected_limit_m_s is None
     return limit_text(threat) + "*" * by_model if _is_modelled(threat) else "none"
 
 
-def _by_model(results: Iterable[CheckResult]) -> list[str]:
-    """Return what the mark of a limit by the model means, if any is marked."""
+def _explained_mark(results: Iterable[CheckResult]) -> list[str]:
+    """Return a line on what "*" behind a limit means, or none if no limit of the results has this mark."""
     return [BY_MODEL] * any(_marked_limit(deciding(result)).endswith("*") for result in results)
 
 
@@ -331,33 +340,33 @@ def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
     return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if is_good else False)
 
 
-def check_report(results: Sequence[CheckResult], moved: Sequence[Table | str]) -> Report:
+def check_report(results: Sequence[CheckResult], move_tables: Sequence[Table | str]) -> Report:
     """Return a short report on checked armours, as for the summary of a CI run.
 
-    `moved` has the tables of what moved since an earlier check.
+    `move_tables` shows what differs from an earlier check; it is empty if there is none.
     """
     rows, caveats = [], list[tuple[str, str]]()
     labels = results[0].question.get("labels") or {"offer" if "labels" in results[0].question else "scenario": ""}
     for result in results:
         named = [*result.question.get("labels", {}).values()] or [name_of(result)]
-        rows += [(*named, name, verdict_word(verdict), words) for name, verdict, words in _parts(result)]
+        rows += [(*named, name, verdict_word(verdict), words) for name, verdict, words in _judged_parts(result)]
         caveats += [(name_of(result), text) for text in phrases.said_of(result.notes)]
     columns = [Column(label, prose=True) for label in (*labels, "threat", "verdict", "why")]
     sections = [ReportSection("Armours", tables=(Table.of_rows(columns, rows),), notes=tuple(caveats))]
-    sections += [section_of("Since the earlier check", moved)] if moved else []
+    sections += [section_of("Since the earlier check", move_tables)] if move_tables else []
     good = {result.verdict for result in results} <= {*GOOD}
     return Report("Check of armour", check_summary(results), tuple(sections), passed=good)
 
 
-def _parts(result: CheckResult) -> Iterator[tuple[str, Verdict, str]]:
+def _judged_parts(result: CheckResult) -> Iterator[tuple[str, Verdict, str]]:
     """Yield name, verdict and reason of each threat, and of each limit of [design]."""
     yield from ((threat.name, threat.verdict, reasons(threat)) for threat in result.threats)
-    for row in result.requirements:
-        yield Column.of(row.quantity).label, row.verdict, phrases.requirement_words(row)
+    for each in result.requirements:
+        yield Column.of(each.quantity).label, each.verdict, phrases.requirement_words(each)
 
 
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
-    """Return what has moved since an earlier check, in the file `base`, and which of it is weaker."""
+    """Tabulate what differs from an earlier check, in the file `base`, and count what of it is weaker."""
     if not moves:
         return [f"nothing has moved since {base}"]
     table = Table.of(
@@ -388,12 +397,12 @@ def moved_junit(moves: Sequence[Moved], base: str, origin: Mapping[str, str]) ->
 
 
 def quantity_words(quantity: str) -> str:
-    """Return a quantity that moved in words; the key of a section, or of an entry of the library, as it is."""
+    """Return the label and unit of a quantity; a key with a dot, of a section or an entry of the library, as it is."""
     return quantity if "." in quantity else Column.of(quantity).heading
 
 
 def _moved_value(quantity: str, value: float | str | None) -> str:
-    """Format a value that moved."""
+    """Format the value of a quantity in an earlier check or now: a number, a text, or None if there is none."""
     if value is None:
         return "none" if quantity.startswith("required") else "not known"
     if isinstance(value, str):
@@ -412,14 +421,14 @@ def check_junit(result: CheckResult, scenario: Scenario, seconds: float, origin:
     group = ": ".join(filter(None, (file, result.question.get("name"))))
     labels = [f"{name}: {label}" for name, label in result.question.get("labels", {}).items()]
     cases = []
-    for name, verdict, why in _parts(result):
+    for name, verdict, why in _judged_parts(result):
         found = {"passes": ""}.get(verdict, "skipped" if verdict in GOOD else "failure")
         words = f"{verdict_word(verdict)}: {why}"
         cases.append(TestCase(group, name, found, words, file=file, output=[words, *labels, *caveats]))
     return junit_suite(group, [cases[0]._replace(seconds=seconds), *cases[1:]], seconds, origin)
 
 
-# The layers, which distinguish a design from others.
+# Materials and thicknesses of a design, which distinguish it from others.
 layers_of = attrgetter("ceramic", "backing", "ceramic_thickness_mm", "backing_thickness_mm")
 
 
@@ -441,7 +450,7 @@ def design_in_a_line(result: DesignResult) -> str:
 
 
 def best_word(result: DesignResult) -> str:
-    """Return what the design shown is: "lightest", say, "lightest by the model", or "nearest" if none passes."""
+    """Return in what the design shown is best, as "lightest" or "lightest by the model"; "nearest" if none passes."""
     if result.reason == "none passes":
         return "nearest"
     by_model = any(threat.expected_limit_m_s is None for threat in result.shown.check.threats)
@@ -455,7 +464,7 @@ def found_in_a_line(result: DesignResult) -> str:
 
 @tables_of.register
 def tables_of_design(result: DesignResult) -> list[Table | str]:
-    """Return the best design with what its check says, and then what only a search knows."""
+    """Return the best design, or the nearest, its verdict and what this rests on, and then the other designs found."""
     result.shown.check.of(every_row=_every_row(result))
     lines = VerdictLine(found_in_a_line(result)), verdict_line(result.shown.check)
     checked = facts(result.shown.check, also=nearly_as_good(result))
@@ -477,7 +486,7 @@ def tables_of_search(result: DesignResult) -> list[Table | str]:
 
 
 def nearly_as_good(result: DesignResult) -> str:
-    """Return the designs on other plates whose objective is within 1 % of the best, the nearest first."""
+    """Return the thicknesses of designs on other plates whose objective is within 1 % of the best, the best first."""
     value, best = attrgetter(result.minimised), result.shown
     others = (each for each in result.frontier if each.backing_thickness_mm != best.backing_thickness_mm)
     near = [each for each in others if value(each) <= 1.01 * value(best)]
@@ -500,7 +509,7 @@ def pair_table(result: DesignResult) -> list[Table | str]:
     )
     metals = {pair.best.backing for pair in result.pairs if pair.best is not None and pair.best.ceramic}
     of_others = phrases.said_of(result.notes, "pairs")
-    return [table, *_by_model(checks), *[METALS] * (len(metals) > 1), *of_others]
+    return [table, *_explained_mark(checks), *[METALS] * (len(metals) > 1), *of_others]
 
 
 def designs_table(designs: Sequence[Design], title: str, *margin: Column) -> Table:

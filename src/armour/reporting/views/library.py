@@ -54,7 +54,7 @@ def threat_table(threats: Mapping[str, NamedThreat]) -> Table:
 
 
 def tables_by_kind(items: Mapping[Any, Mapping[str, Any]]) -> list[Table]:
-    """Tabulate entries and threats, given by kind and name."""
+    """Return a table for each kind of library entry, and for threats; `items` has them by kind and name."""
     return [
         threat_table(some) if kind == "threat" else library_table(kind, some.values()) for kind, some in items.items()
     ]

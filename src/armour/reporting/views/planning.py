@@ -22,7 +22,11 @@ def plan_in_a_line(plan: ShotPlan) -> str:
 
 @tables_of.register
 def tables_of_shot_plan(plan: ShotPlan) -> list[Table | str]:
-    """Return the next velocity, the shots and V50 so far; with `every_row`, why, and all details."""
+    """Return the next velocity, the shots and V50 so far.
+
+    If the plan's question has `every_row` (option -v), also why this velocity is next, what the plan starts from and
+    each shot.
+    """
     good = plan.decision == "met" if plan.stopped and plan.decision else None
     shown: list[Table | str] = [VerdictLine(in_a_line(plan), good=good), Table.of_facts(_facts_of(plan))]
     return [*shown, *_details(plan)] if plan.question.get("every_row") else shown
@@ -57,7 +61,7 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
 
 
 def _details(plan: ShotPlan) -> list[Table | str]:
-    """Return why the next velocity is chosen, what the plan starts from, and the shots."""
+    """Return what -v adds to a plan: why the next velocity is chosen, what the plan starts from, and the shots."""
     shown: list[Table | str] = [f"reason: {plan.reason}"] if plan.reason else []
     shown += [] if plan.consumers_risk is None else [DECISION]
     shown += [operating_table(plan)] if plan.operating_characteristic else []

@@ -64,26 +64,26 @@ def tables_of_uncertainty(result: UncertaintyResult) -> list[Table | str]:
 
 
 def elasticity_table(result: SensitivityResult, answers: Sequence[str], most: int | None = None) -> Table:
-    """Tabulate the change of each of some answers, %, when an input grows by 1 %, for at most so many inputs."""
+    """Tabulate the change of each of `answers`, %, when an input grows by 1 %, for at most the first `most` inputs."""
     rows = [item for item in result.inputs if any(item.elasticities[name] is not None for name in answers)]
     return Table.of(
         rows[:most],
         (Column("1 % more of", prose=True), lambda item: Column.of(item.input).label),
         (Column("value"), lambda item: Column.of(item.input, ".5g").with_unit(item.value)),
         *(
-            (Column(f"changes the {_short(name)} by"), lambda item, name=name: _percent(item.elasticities[name]))
+            (Column(f"changes the {_name_of(name)} by"), lambda item, name=name: _percent(item.elasticities[name]))
             for name in answers
         ),
     )
 
 
-def _short(answer: str) -> str:
-    """Return the name of an answer, such as "limit"."""
+def _name_of(answer: str) -> str:
+    """Return the short name of the quantity that a sensitivity is of, such as "limit"."""
     return Column.of(answer).label.replace("ballistic ", "")
 
 
 def _percent(change: float | None) -> str | None:
-    """Format the change of an answer."""
+    """Format a change, %, with its sign; None stays None."""
     return None if change is None else f"{number(change, '+.2f')} %"
 
 
@@ -95,7 +95,7 @@ def sensitivity_in_a_line(result: SensitivityResult) -> str:
     if not inputs:
         return "no answer depends on any input"
     most = max(inputs, key=lambda item: abs(item.elasticities[answer] or 0.0))
-    return f"the {_short(answer)} by the model, {value:.0f} m/s, depends most on the {Column.of(most.input).label}"
+    return f"the {_name_of(answer)} by the model, {value:.0f} m/s, depends most on the {Column.of(most.input).label}"
 
 
 @tables_of.register
@@ -116,7 +116,7 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
 
 @line_of.register
 def calibration_in_a_line(result: CalibrationResult) -> str:
-    """Return the fitted inputs with their intervals."""
+    """Return the fitted inputs with their intervals, or why one is not identified, in a line."""
     return "; ".join(_coefficient_words(each, result.confidence) for each in result.coefficients)
 
 
@@ -179,7 +179,7 @@ def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
     before, now = result.question.get("before"), result.question.get("now")
     if before is not None and now is not None:
         at = f" at {result.question['scenario'].impact.velocity_m_s:g} m/s"
-        facts["armour"] = f"was {_expected(before, at)}; now {_expected(now)}"
+        facts["armour"] = f"was {_limit_words(before, at)}; now {_limit_words(now)}"
     shown: list[Table | str] = [VerdictLine(in_a_line(result)), Table.of_facts(facts)]
     if result.question.get("every_row"):
         shown.append(calibration_table(result))
@@ -189,7 +189,7 @@ def tables_of_calibration(result: CalibrationResult) -> list[Table | str]:
 
 
 def _tests_words(result: CalibrationResult) -> str:
-    """Return the number of tests with the errors of the fit or, of a few tests, what each measured."""
+    """Return the number of tests with the errors of the fit or, if there are only a few, what each measured."""
     tests = list(dict.fromkeys(residual.test for residual in result.residuals))
     if len(tests) <= MOST_TESTS:
         measured = ((r, f"{r.bound} {r.measured:g}".strip()) for r in result.residuals)
@@ -206,14 +206,14 @@ def _tests_words(result: CalibrationResult) -> str:
 
 
 def _farthest(result: CalibrationResult) -> str:
-    """Return the tests that deviate most from the fit; none if there are only a few."""
-    off = [(r.test, _deviation_percent(r, r.computed) or 0.0) for r in result.residuals if not r.bound]
-    off.sort(key=lambda pair: -abs(pair[1]))
-    return ", ".join(f"{test} {part:+.1f} %" for test, part in off[:MOST_TESTS]) if len(off) > MOST_TESTS else ""
+    """Return the tests that deviate most from the fit, with these errors; "" if there are only a few tests."""
+    errors = [(r.test, _deviation_percent(r, r.computed) or 0.0) for r in result.residuals if not r.bound]
+    errors.sort(key=lambda pair: -abs(pair[1]))
+    return ", ".join(f"{test} {part:+.1f} %" for test, part in errors[:MOST_TESTS]) if len(errors) > MOST_TESTS else ""
 
 
-def _expected(found: ConfidenceResult, at: str = "") -> str:
-    """Return the limit of an armour and the probability that it stops a shot; `at` is its velocity in words."""
+def _limit_words(found: ConfidenceResult, at: str = "") -> str:
+    """Return an armour's limit and its probability of stopping a shot; `at` is the velocity, as " at 800 m/s"."""
     if found.expected_limit_m_s is not None:
         return f"{found.expected_limit_m_s:.0f} m/s expected, {chance(found.probability_of_stopping)}{at}"
     return "no limit" if found.ballistic_limit_m_s is None else f"{found.ballistic_limit_m_s:.0f} m/s by the model"
@@ -235,7 +235,7 @@ def recommended_table(fit: FittedCurve, level: float) -> Table:
 PENALISED = "intervals by penalised likelihood; with few shots those of maximum likelihood are too narrow"
 
 
-# Words for the rule for the span of the shots that are averaged.
+# Words by the rule for the span of the shots that a mean averages.
 MEANS = {"usual span": "MIL-STD-662F", "given span": "span as given", "no usual rule": "no usual rule"}
 FIXED = (
     "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 13 %; they hold for "
@@ -244,8 +244,8 @@ FIXED = (
 )
 
 
-def _further(result: FiringResult) -> str:
-    """Return the one further result that would bound V50 best, if the result has one."""
+def _further_shot(result: FiringResult) -> str:
+    """Return the one further shot that would bound V50 best, in words; "" if the result has none."""
     if (further := result.further) is None:
         return ""
     shot = f"a shot {'perforating' if further.complete else 'stopped'} at {further.velocity_m_s:.0f} m/s"
@@ -270,7 +270,7 @@ def points(result: FiringResult) -> dict[str, str]:
 
 
 def _at_least(lower_m_s: float | None, level: str) -> str:
-    """Return a one-sided lower bound in words, if there is one."""
+    """Return a one-sided lower bound of a velocity in words; "" if there is none."""
     return "" if lower_m_s is None else f", at least {lower_m_s:.0f} m/s with {level}"
 
 
@@ -281,7 +281,7 @@ def velocity_name(fraction: float) -> str:
 
 
 def decision(result: FiringResult) -> str:
-    """Return whether a required velocity is met, with the risk that decides."""
+    """Return whether a required velocity is met, with the risk of the decision."""
     velocity = f"{velocity_name(result.requirement_fraction)} of at least {result.requirement_m_s:g} m/s"
     if result.consumers_risk is None or result.producers_risk is None:
         return f"{result.decision}: {velocity}; no curve fits the shots"
@@ -328,13 +328,13 @@ def tables_of_firing(result: FiringResult) -> list[Table | str]:
 
 
 def facts_of_firing(result: FiringResult) -> list[Table | str]:
-    """Return V50, if a decision on a requirement stands before it, and what it rests on."""
+    """Return what V50 rests on, below V50 itself if the line of the result has a decision in its place."""
     v50 = [VerdictLine(_v50_words(result))] if result.decision else []
     return [*v50, Table.of_facts(_facts_of(result))]
 
 
 def estimates(result: FiringResult) -> list[Table | str]:
-    """Return the risks of deciding now, the recommended curve and, with a prior, V50 with and without the shots."""
+    """Return how V50 is estimated: the risks of deciding now, the recommended curve, prior and posterior."""
     limit = result.model_ballistic_limit_m_s
     shown: list[Table | str] = [] if limit is None else [f"ballistic limit {limit:.0f} m/s by the model"]
     if result.consumers_risk is not None and result.producers_risk is not None:
@@ -365,7 +365,7 @@ def _facts_of(result: FiringResult) -> dict[str, str]:
         slow = "at no positive velocity" if fit.v05_m_s is None else f"at {fit.v05_m_s:.0f}"
         scatter = between(result.confidence, fit.scale_interval_m_s, ".0f")
         facts["scatter"] = f"{fit.scale_m_s:.0f} m/s ({scatter}); 5 % perforate {slow}, 95 % at {fit.v95_m_s:.0f} m/s"
-    facts |= {"more": _further(result), **points(result)}
+    facts |= {"more": _further_shot(result), **points(result)}
     if (limit := result.model_ballistic_limit_m_s) is not None:
         facts["expected"] = f"{limit:.0f} m/s by the model"
         if result.expected_limit_m_s is not None and result.model_interval_m_s is not None:
@@ -390,18 +390,21 @@ def lots_in_a_line(result: LotResults) -> str:
 
 
 def difference_words(result: LotResults, name: str = "") -> list[str]:
-    """Return a line for each pair of lots, or of those with a name, which says whether they differ."""
-    asked = {pair: each for pair, each in result.differences.items() if not name or name in pair.split(" minus ")}
-    return [_difference(pair, difference, len(result.differences)) for pair, difference in asked.items()]
+    """Return a line for each two lots that are compared, or for those with lot `name`: whether they differ."""
+    asked = {lots: each for lots, each in result.differences.items() if not name or name in lots.split(" minus ")}
+    return [_difference_words(lots, difference, len(result.differences)) for lots, difference in asked.items()]
 
 
-def _difference(pair: str, found: V50Difference, pairs: int) -> str:
-    """Return whether a pair of lots differ, with the interval of the difference."""
-    together = 1.0 - (1.0 - found.confidence) * pairs
+def _difference_words(lots: str, found: V50Difference, comparisons: int) -> str:
+    """Return whether two lots, as "lot A minus lot B", differ, with the interval of the difference.
+
+    All `comparisons` hold together with a lower confidence than each alone.
+    """
+    together = 1.0 - (1.0 - found.confidence) * comparisons
     ends = interval(found.interval_m_s, ".0f")
     p_value = "< 0.001" if found.p_value < 1e-3 else f"= {found.p_value:.2g}"
     says = "V50 differs" if found.p_value < 1.0 - together else "V50 not found to differ"
-    return f"{says}: {pair} {found.difference_m_s:+.0f} m/s, {percent(round(together, 9))} interval {ends}, p {p_value}"
+    return f"{says}: {lots} {found.difference_m_s:+.0f} m/s, {percent(round(together, 9))} interval {ends}, p {p_value}"
 
 
 @tables_of.register

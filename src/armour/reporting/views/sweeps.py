@@ -38,7 +38,7 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
     """Tabulate the first rows of a sweep.
 
     `columns` has an array (rows,) by name; the names in `keys` are the swept inputs.  Where the expected limit is not
-    known, that by the model stands in its place, with a mark.  A last column says in what a row is far from the tests.
+    known, that by the model stands in its place, with "*".  A last column says in what a row is far from the tests.
     """
     names, first = [*columns], [values[:SWEEP_ROWS].tolist() for values in columns.values()]
     rows = [dict(zip(names, row, strict=True)) for row in zip(*first, strict=True)]
@@ -51,7 +51,10 @@ def first_rows(columns: Mapping[str, Any], scenario: Scenario, keys: Sequence[st
 
 
 def _source(name: str, values: Any, *, both: bool) -> Source:
-    """Return the column of a key or quantity as people read it; `both` says whether there are limits of both kinds."""
+    """Return the column that shows a key or quantity, whose `values` are an array, (rows,).
+
+    Items are pairs of a row and its scenario.  If there are limits of `both` kinds, one column shows them.
+    """
     if name == EXPECTED and both:
         return LIMIT, lambda item: _limit(*item)
     if name == "probability_of_stopping":
@@ -62,6 +65,7 @@ def _source(name: str, values: Any, *, both: bool) -> Source:
 
 
 def _known(value: float) -> float | None:
+    """Return a value; None for NaN, which stands for a value that is not known."""
     return value if value == value else None
 
 
@@ -73,9 +77,9 @@ def _limit(row: Mapping[str, Any], scenario: Scenario) -> str:
 
 
 def _far(scenario: Scenario, *, every_threat: bool) -> str:
-    """Return in what an armour and its impact, or every threat, are far from the tests, without what was tested."""
-    cases = map(scenario.against, scenario.threats()) if every_threat else [scenario]
-    far = (each for case in cases for each in far_from_tests(case, row_of(case).armours))
+    """Return in what an armour and its impact, or every threat, are far from the tests; "" if in nothing."""
+    scenarios = map(scenario.against, scenario.threats()) if every_threat else [scenario]
+    far = (each for scenario in scenarios for each in far_from_tests(scenario, row_of(scenario).armours))
     return ", ".join(dict.fromkeys(each.found for each in far))
 
 

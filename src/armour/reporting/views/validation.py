@@ -18,12 +18,12 @@ from armour.validation.validate import FAILED, Check, SuiteResult, TableSummary
 
 
 def check_groups(result: SuiteResult) -> dict[str, list[Check]]:
-    """Return the checks of a suite by the name of their table."""
+    """Return the checks of a suite by the name of their table; those of no table are under `CASES`."""
     return grouped(result.checks, lambda check: check.case.group or CASES)
 
 
 def check_table(checks: Sequence[Check], title: str = "") -> Table:
-    """Tabulate expected and computed values, their deviations, and the bands in which these must lie."""
+    """Tabulate checks: expected and computed values, their deviations, and the bands in which these must lie."""
     units = {check.case.unit for check in checks}
     shared = units.pop() if len(units) == 1 else ""
     return Table.of(
@@ -113,8 +113,8 @@ def suite_tables(result: SuiteResult) -> list[Table]:
             tables += failed_table(name, checks)
         else:
             tables.append(check_table(checks, name))
-    whole = [each for each in result.summaries if each.name not in in_file]
-    return [*tables, *[summary_table(whole, "tables as a whole")] * bool(whole)]
+    of_tables = [each for each in result.summaries if each.name not in in_file]
+    return [*tables, *[summary_table(of_tables, "tables as a whole")] * bool(of_tables)]
 
 
 def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
@@ -125,13 +125,13 @@ def failed_table(name: str, checks: Sequence[Check]) -> list[Table]:
 
 def overview_table(result: SuiteResult) -> Table:
     """Tabulate how many cases of each table of a suite are within their bands, and the RMS deviation with its band."""
-    whole = {summary.name: summary for summary in result.summaries if not summary.group}
+    of_tables = {summary.name: summary for summary in result.summaries if not summary.group}
 
     def row_of(name: str, checks: Sequence[Check]) -> tuple[Cell, ...]:
         scored = [check for check in checks if check.status != "not scored"]
         within = f"{sum(check.status == 'within' for check in scored)} of {len(scored)}" if scored else ""
-        title = counted(len(checks), "other case" if whole else "case") if name == CASES else name
-        if (summary := whole.get(name)) is None:
+        title = counted(len(checks), "other case" if of_tables else "case") if name == CASES else name
+        if (summary := of_tables.get(name)) is None:
             return title, within or "not scored", "", ""
         band = "" if summary.rms_band is None else f"{summary.rms_band:.3g} {summary.unit}"
         within = within or summary.status.replace("within", "as a whole")
@@ -213,7 +213,7 @@ def suite_report(result: SuiteResult, command: str = "") -> Report:
 
 
 def _source_and_reason(checks: list[Check]) -> tuple[str, ...]:
-    """Return the source of a table and the reason for its band in a sentence, taken from its first row."""
+    """Return the source of a table and the reason for its band in a sentence, from its first row; () if none."""
     case = checks[0].case
     text = "; ".join(filter(None, (case.source, case.reason and f"band: {case.reason}")))
     return (sentence(text),) if case.group and text else ()
