@@ -1,4 +1,4 @@
-"""Whether two lots differ in V50: the difference, and its profile likelihood if both have one scatter."""
+"""Compare the V50s of two lots: their difference, with an interval and a p value, if both lots have one scatter."""
 
 from dataclasses import dataclass
 from math import exp, inf, log, sqrt
@@ -52,11 +52,11 @@ class TwoLots:
         intercepts = [lot.mode.intercept for lot in self.lots]
         scales = [lot.deviation / max(lot.mode.slope, STARTS[0]) for lot in self.lots]
         starts = [np.array([*intercepts, log(scale)]) for scale in (*scales, sqrt(scales[0] * scales[1]))]
-        self.mode = min((self._refined(start) for start in starts), key=self._loss)
+        self.mode = min((self._likeliest_near(start) for start in starts), key=self._loss)
         self.difference = float(self.apart + exp(self.mode[2]) * (self.mode[0] - self.mode[1]))
 
     def _loss(self, point: Floats) -> float:
-        """Return minus the penalised log-likelihood of a point."""
+        """Return minus the penalised log-likelihood of both curves at a point, (3,)."""
         scale, loss, spread = exp(point[2]), 0.0, -inf
         for lot, intercept in zip(self.lots, point, strict=False):
             curve = np.array([[intercept, lot.deviation / scale]])
@@ -65,8 +65,8 @@ class TwoLots:
             spread = np.logaddexp(spread, greatest + log(max(on_slope, 1e-200) * lot.deviation**2))
         return float(loss - 0.5 * spread)
 
-    def _refined(self, start: Floats, difference: float | None = None) -> Floats:
-        """Return the likeliest point near another one; the `difference` of the V50s, m/s, is held if it is given."""
+    def _likeliest_near(self, start: Floats, difference: float | None = None) -> Floats:
+        """Return the likeliest point, (3,), near `start`; the `difference` of the V50s, m/s, is held if it is given."""
 
         def point(free: Floats) -> Floats:
             log_scale = free[-1].clip(*self.log_scales)
@@ -80,7 +80,7 @@ class TwoLots:
         return point(minimize(loss, free, method="BFGS", options={"gtol": 1e-4}).x)
 
     def end(self, direction: float, root: float) -> float | None:
-        """Return the end of the interval of the difference, m/s, above (1) or below (-1) it; None without an end.
+        """Return an end of the interval of the difference, m/s: the upper (1) or lower (-1) one; None if it is open.
 
         `root` is the square root of the deviance at the end.
         """
@@ -88,7 +88,7 @@ class TwoLots:
 
         def deviance(difference: float) -> float:
             nonlocal last
-            last = min((self._refined(start, difference) for start in (last, self.mode)), key=self._loss)
+            last = min((self._likeliest_near(start, difference) for start in (last, self.mode)), key=self._loss)
             return 2.0 * (self._loss(last) - self._loss(self.mode))
 
         farthest = self.difference + direction * FARTHEST * self.unit
@@ -97,12 +97,12 @@ class TwoLots:
     @property
     def p_value(self) -> float:
         """Probability of a deviance as large as that of no difference, if there is none."""
-        deviance = 2.0 * (self._loss(self._refined(self.mode, 0.0)) - self._loss(self.mode))
+        deviance = 2.0 * (self._loss(self._likeliest_near(self.mode, 0.0)) - self._loss(self.mode))
         return float(2.0 * ndtr(-sqrt(max(deviance, 0.0))))
 
 
 def difference_of(first: ShotLikelihood, second: ShotLikelihood, confidence: float) -> V50Difference:
-    """Return the difference of the V50s of two lots, given their penalised likelihoods."""
+    """Return V50 of the second lot minus that of the first, with its interval, given their penalised likelihoods."""
     lots, root = TwoLots(first, second), float(ndtri(0.5 + 0.5 * confidence))
     ends = lots.end(-1.0, root), lots.end(1.0, root)
     return V50Difference(lots.difference, ends, confidence, lots.p_value, exp(lots.mode[2]))
