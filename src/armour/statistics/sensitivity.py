@@ -117,4 +117,5 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
 
 
 def _number(value: float) -> float | None:
+    """Return a value as Python's own number, None in place of NaN."""
     return None if isnan(value) else float(value)
