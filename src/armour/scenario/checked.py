@@ -48,6 +48,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        """Call the function with the arguments as their types have them."""
         bound = None
         with suppress(TypeError):
             bound = parameters.bind(*args, **kwargs)
@@ -146,6 +147,7 @@ def _array(argument: Any) -> Any:
     import numpy as np  # slow to import
 
     def nested(value: Any) -> Any:
+        """Return numbers as floats, and anything with items as nested lists of them."""
         value = plain(value)
         is_one = isinstance(value, int | float) and not isinstance(value, bool)
         return float(value) if is_one else list(map(nested, items(value)))

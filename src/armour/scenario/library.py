@@ -555,6 +555,7 @@ class Library:
             data = with_plain_keys(tables, file)
 
             def read(rest: Mapping[str, Any]) -> Library:
+                """Return the library with the entries in plain data."""
                 return self.extended(LibraryTables.model_validate(rest), file, prefix)
 
             try:

@@ -151,6 +151,7 @@ class Scenario(Section):
 
     @cached_property
     def _inputs(self) -> dict[str, float]:
+        """Values of `inputs`, computed once."""
         values: dict[str, float] = {
             name: getattr(getattr(self, definition.section), definition.key)
             for name, definition in INPUTS.items()
@@ -194,6 +195,7 @@ class Scenario(Section):
 
     @cached_property
     def _parameters(self) -> Parameters:
+        """Parameters of `core_armour`, computed once."""
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.impact.cosine)
         return Parameters(**(fields | self.model.laws()))
 

@@ -181,6 +181,7 @@ class CalibrationResult(TableResult):
     reason: str = ""
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: the residuals."""
         return by_column(asdict(residual) for residual in self.residuals)
 
 

@@ -130,6 +130,7 @@ def profile_end(
 
     @cache
     def excess(value: float) -> float:
+        """Return by how much the square root of the deviance of a value exceeds that at the end."""
         return (0.0 if value == estimate else sqrt(max(deviance(value), 0.0))) - root
 
     near, step = estimate, copysign(step, farthest - estimate)
@@ -296,6 +297,7 @@ class ShotLikelihood:
         """
 
         def deviance(value: float) -> float:
+            """Return the deviance of a value of the quantity."""
             return 2.0 * (self.mode.value - profile(value).value)
 
         end = profile_end(deviance, start, start + direction * 1e3, root, step=0.3, tolerance=1e-9)
@@ -354,6 +356,7 @@ class ShotLikelihood:
         """
 
         def end(direction: float) -> float:
+            """Return the lower (-1) or upper (1) end, which is searched for on a logarithmic axis."""
             estimate = -log(self.mode.slope)
             return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), estimate, direction, root))
 

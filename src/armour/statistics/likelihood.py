@@ -265,6 +265,7 @@ def search(
 
     @cache
     def deviations_at(inputs: tuple[float, ...]) -> Floats:
+        """Return the deviations at given values of the inputs that are not held."""
         point = x.copy()
         point[free] = inputs
         return likelihood.deviations(point)
@@ -273,9 +274,11 @@ def search(
         """Move `x` to the most likely inputs given the scatter, and return the deviations there."""
 
         def losses(inputs: Floats) -> Floats:
+            """Return the residuals of least squares, (m,)."""
             return _losses(deviations_at(tuple(inputs.tolist())) / scatter, sides)
 
         def slopes(inputs: Floats) -> Floats:
+            """Return the derivatives of the residuals by the inputs that are not held."""
             return approx_fprime(inputs, losses, DIFFERENCE)
 
         if len(free):
@@ -285,9 +288,11 @@ def search(
         return deviations_at(tuple(x[free].tolist()))
 
     def loss(deviations: Floats, scatter: float) -> float:
+        """Return -2 times the log-likelihood, up to a constant."""
         return float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
 
     def profile(log_scatter: float) -> float:
+        """Return the loss at the most likely inputs given the scatter."""
         return loss(move(exp(log_scatter)), exp(log_scatter))
 
     if scatter_matters and not likelihood.tests.weighted and scatter is None:
@@ -414,6 +419,7 @@ def _interval_end(fit: InputFit, index: int, bound: float, error: float) -> tupl
     slopes = np.linalg.lstsq(fit.gradients[:, other_inputs], -fit.gradients[:, index], rcond=1e-6)[0]
 
     def deviance(value: float) -> float:
+        """Return the deviance of a value of this input, with the others as likely as possible."""
         start = best.x.copy()
         start[index] = value
         start[other_inputs] += slopes * (value - best.x[index])

@@ -46,6 +46,7 @@ class TwoLots:
     """
 
     def __init__(self, first: ShotLikelihood, second: ShotLikelihood) -> None:
+        # `apart` is the difference of the mean velocities, m/s, and `unit` the greater standard deviation, m/s.
         self.lots, self.apart = (first, second), second.mean - first.mean
         self.unit = max(first.deviation, second.deviation)
         self.log_scales = log(self.unit / WIDEST), log(self.unit * WIDEST)
@@ -69,11 +70,13 @@ class TwoLots:
         """Return the likeliest point, (3,), near `start`; the `difference` of the V50s, m/s, is held if it is given."""
 
         def point(free: Floats) -> Floats:
+            """Return the point of the parameters that are not held; its scale stays within `log_scales`."""
             log_scale = free[-1].clip(*self.log_scales)
             second = free[1] if difference is None else free[0] + (self.apart - difference) * exp(-log_scale)
             return np.array([free[0], second, log_scale])
 
         def loss(free: Floats) -> float:
+            """Return minus the log-likelihood of the parameters that are not held."""
             return self._loss(point(free))
 
         free = start if difference is None else start[[0, 2]]
@@ -87,6 +90,7 @@ class TwoLots:
         last = self.mode
 
         def deviance(difference: float) -> float:
+            """Return the deviance of a difference of the V50s, m/s, near the last one that was tried."""
             nonlocal last
             last = min((self._likeliest_near(start, difference) for start in (last, self.mode)), key=self._loss)
             return 2.0 * (self._loss(last) - self._loss(self.mode))

@@ -59,6 +59,7 @@ class SensitivityResult(TableResult):
     notes: tuple[Note, ...] = ()
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: an input in each row, with its value and its elasticities."""
         return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)
 
 

@@ -118,6 +118,7 @@ class UncertaintyResult(TableResult):
     perforated_by_distributions: Estimate | None = None
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: the curve of the probability over velocity."""
         return {name: column for name, column in asdict(self.curve).items() if column is not None}
 
 

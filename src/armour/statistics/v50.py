@@ -348,6 +348,7 @@ class FiringResult(TableResult):
         ]
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: a fitted curve in each row."""
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
 
 
