@@ -352,7 +352,10 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
 
 
 def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
-    """Yield the place and cells of each line that is not blank; no cell spans several lines."""
+    """Yield the place and the cells of each line of CSV that is not blank; `path` names the file in messages.
+
+    An InputError says if a cell spans several lines.
+    """
     last_line = 0
     reader = csv.reader(texts, delimiter=separator, strict=True)
     try:
@@ -370,7 +373,10 @@ def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
 
 
 def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[[str], bool]) -> Iterator[Line]:
-    """Yield the rows that are not blank of a sheet of a workbook, by default of the only visible one with a table."""
+    """Yield the rows that are not blank of a sheet of a workbook, by default of the only visible one with a table.
+
+    What the source says of the content is set on the way; `known` tells whether a text names a column.
+    """
     try:
         content = content_of(path)
         source.digest.update(content)
@@ -432,7 +438,7 @@ def read_rows(
     *,
     closed: bool = True,
 ) -> CsvTable:
-    """Read the rows of a table of a kind; at least ``least`` must be left.
+    """Read the rows of an open table of a kind; at least ``least`` must be left.
 
     Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
     Columns that are not read must not divide the rows, unless ``ignore`` names them or the table is not ``closed``.
@@ -504,7 +510,10 @@ def _fill_rows(
 
 
 def _remarks_quoted(name: str, rows: Sequence[CsvRow], cells: Sequence[str]) -> str:
-    """Return a warning that quotes the remarks in a column that is not read, with the places of their rows."""
+    """Return a warning that quotes the remarks in a column that is not read, with the places of their rows.
+
+    `name` is that of the column, and `cells` has its cell in each of the rows.
+    """
     said = dict[str, list[str]]()
     for row, cell in zip(rows, cells, strict=True):
         said.setdefault(cell, []).append(row.place)
@@ -794,7 +803,7 @@ def wrong_result(text: str) -> str:
 
 
 def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
-    """Yield the problem of a column that names targets and is blank in some rows, given their places."""
+    """Yield the problem of a column of a file that names targets and is blank in some rows, given their places."""
     if blank:
         yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
 

@@ -122,7 +122,7 @@ class NoLimitError(NoAnswerError):
 
 
 def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
-    """Return the error of one mistake; see `Problem`."""
+    """Return the InputError of one mistake: its file, its dotted key or "", and what is wrong, as in `Problem`."""
     return InputError([Problem(str(file), key, message)])
 
 

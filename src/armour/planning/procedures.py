@@ -358,7 +358,10 @@ def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floa
 
 
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
-    """Return `count` evenly spaced velocities from which to choose that of the next shot, m/s, (count,)."""
+    """Return `count` evenly spaced velocities from which to choose that of the next shot, m/s, (count,).
+
+    They lie around V50 by the posterior `current` or, with a requirement, around the required velocity.
+    """
     greatest = settings.scatter_m_s * settings.prior.plausible_factor
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.requirement_m_s is not None:
@@ -376,7 +379,8 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
 class Firings:
     """n simulated firings at the same time, each with its posterior over the points of a common grid, (n, points).
 
-    All `count` firings start from the posterior `current` and aim at one of `velocities` evenly spaced velocities.
+    All `count` firings start from the posterior `current`, follow the Bayesian procedure with the same settings, and
+    aim at one of `velocities` evenly spaced velocities.
     """
 
     def __init__(self, current: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:

@@ -40,7 +40,8 @@ def plain_name(name: str) -> str:
 def with_plain_keys(value: Any, file: str, parts: KeyPath = ()) -> Any:
     """Return a copy of a value as Python's own, with the keys of its tables as `plain_name` has them.
 
-    A section becomes a `Whole` table of the values that it was given, which are thus validated again.
+    A section becomes a `Whole` table of the values that it was given, which are thus validated again.  An InputError
+    names the `file`, and a key that is given twice after `parts`, those of the key of the value.
     """
     if hasattr(value, "model_dump"):  # a section, of pydantic, which is slow to import
         value = Whole(value.model_dump(exclude_unset=True, warnings=False))
@@ -237,7 +238,7 @@ def _keys_within(value: Any, parts: KeyPath) -> Iterator[KeyPath]:
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
-    """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
+    """Return the data of a scenario with `changes`, values by dotted key; a table is merged into an existing one.
 
     A table that is `Whole` replaces it, whichever comes first of its key and of keys below.  A key that goes below a
     value is refused.

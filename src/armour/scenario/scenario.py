@@ -582,8 +582,9 @@ def _parsed(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last, so that they take precedence over keys of the library.  Changed numbers of the section
-    ``library`` lose the source of the earlier number.
+    `file` is its name in messages; paths of library files are relative to `folder`.  Inputs are set last, so that they
+    take precedence over keys of the library.  Changed numbers of the section ``library`` lose the source of the earlier
+    number.
     """
     data, inputs = keys.with_plain_keys(data, file), dict[str, Any]()
     for group in (keys.with_plain_keys(group, file) for group in changes if group):

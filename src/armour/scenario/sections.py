@@ -159,9 +159,10 @@ def _key_parts(detail: Any) -> list[str | int]:
 def every_problem(
     error: ValidationError, model: type[Section], data: Any, file: str, read: Callable[[Any], object]
 ) -> list[Problem]:
-    """Return the problems of an error, and further ones that are found in the data without the keys at fault.
+    """Return the problems of pydantic's error, and further ones that are found in the data without the keys at fault.
 
-    `read` validates such data, and raises an error if they are wrong.
+    `model` is the class by which the data of the `file` are validated.  `read` validates such data, and raises an error
+    if they are wrong.
     """
     problems = problems_of(error, model, file)
     rest, tables = deepcopy(data), set[str]()
@@ -206,7 +207,7 @@ def _hint(detail: Any) -> str:
 
 
 def validated(model: type[SectionT], data: object, file: str) -> SectionT:
-    """Return data as the sections of a model; raise an InputError with every mistake."""
+    """Return data as the sections of a model; raise an InputError with every mistake, which names the `file`."""
     try:
         return model.model_validate(data)
     except ValidationError as error:

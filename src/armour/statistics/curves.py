@@ -161,8 +161,9 @@ def has_curve(partial: Velocities, complete: Velocities) -> bool:
 class ShotLikelihood:
     """Likelihood of curves given the velocities of partial and complete penetrations, m/s.
 
-    In its methods, `z` is an argument of F and `x` a standardised velocity, as in the module's docstring; `root` is the
-    square root of the deviance at the end of an interval.
+    `link` chooses F, and `penalised` multiplies the likelihood by the Jeffreys prior.  In its methods, `z` is an
+    argument of F and `x` a standardised velocity, as in the module's docstring; `root` is the square root of the
+    deviance at the end of an interval.
     """
 
     def __init__(self, partial: Velocities, complete: Velocities, link: Link, *, penalised: bool = False) -> None:
@@ -386,9 +387,10 @@ def _points_with_slope(intercepts: Floats, slope: float) -> Floats:
 def fit_curve(
     partial: Velocities, complete: Velocities, link: Link, confidence: float = CONFIDENCE, *, penalised: bool = False
 ) -> FittedCurve | None:
-    """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood.
+    """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood, or penalised.
 
-    Return None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
+    `link` chooses the curve; `confidence` is the level of its intervals.  Return None if the penalised likelihood is
+    greatest for a curve that does not rise, or whose V50 is not positive.
     """
     return curve_of(ShotLikelihood(partial, complete, link, penalised=penalised), confidence)
 
@@ -428,7 +430,8 @@ def penalised_band(
 ) -> tuple[Floats, Floats]:
     """Return the lower and upper ends, (n,), of the pointwise confidence intervals of the probability at n velocities.
 
-    The velocities are in m/s.  For more than BAND_NODES different ones, the intervals are interpolated.
+    They are those of the penalised curve of a link, fitted to `partial` and `complete` penetrations; all velocities are
+    in m/s.  For more than BAND_NODES different ones, the intervals are interpolated.
     """
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))

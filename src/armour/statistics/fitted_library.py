@@ -70,7 +70,8 @@ def save_fit(
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str) -> str:
     """Return the text of a library file with the calibrated entries and the tests that they were calibrated to.
 
-    The file needs only the shipped library.  The entries must make a valid scenario in `scenario`.
+    The file needs only the shipped library.  The arguments are those of `save_fit`; the entries must make a valid
+    scenario in `scenario`.
     """
     tables, names = _calibrated_entries(result, tests, lot)
     _valid_scenario(lambda: scenario.replaced({"library": tables, **names}))

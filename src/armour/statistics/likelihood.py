@@ -235,7 +235,7 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
 
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress) -> Likelihood:
-    """Check that inputs can be fitted to tests, and return their likelihood."""
+    """Return the likelihood of inputs, by name, given tests; raise an InputError if they cannot be fitted to these."""
     _check_fittable(tests, inputs)
     first = tests.groups[0].scenario
     values, is_coefficient = first.inputs(), np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])

@@ -106,7 +106,10 @@ class TwoLots:
 
 
 def difference_of(first: ShotLikelihood, second: ShotLikelihood, confidence: float) -> V50Difference:
-    """Return V50 of the second lot minus that of the first, with its interval, given their penalised likelihoods."""
+    """Return V50 of the second lot minus that of the first, given their penalised likelihoods, with an interval.
+
+    `confidence` is the level of the interval.
+    """
     lots, root = TwoLots(first, second), float(ndtri(0.5 + 0.5 * confidence))
     ends = lots.end(-1.0, root), lots.end(1.0, root)
     return V50Difference(lots.difference, ends, confidence, lots.p_value, exp(lots.mode[2]))

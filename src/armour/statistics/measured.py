@@ -193,7 +193,7 @@ def read_open_tests(
     *,
     closed: bool = True,
 ) -> Tests:
-    """Return the tests of an open table; arguments and errors are those of `read_tests`.
+    """Return the tests of an open table of `open_tests`; other arguments, and errors, are those of `read_tests`.
 
     If the table is not ``closed``, columns that are not read may divide the tests.
     """

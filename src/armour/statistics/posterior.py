@@ -176,7 +176,8 @@ def posterior_of(
 ) -> Posterior:
     """Return the posterior of V50 and the scatter given shots, of which there may be none.
 
-    `complete` is true for complete penetrations; `nodes` are the numbers of V50s and of scatters in the grid.
+    The shots have `velocities_m_s`, and `complete` is true for complete penetrations; `nodes` are the numbers of V50s
+    and of scatters in the grid.
     """
     limit, velocities = prior.limit_m_s, np.array(velocities_m_s)
     low, high = prior.error.interval(limit, GRID_TAIL)

@@ -188,7 +188,7 @@ def _sampled_limits(scenario: Scenario, section: Uncertainty, on_progress: OnPro
     """Return for each sample the ballistic limit and the velocity below which its single shot is stopped, m/s.
 
     The array is (2, samples): limits, and limits with the scatter of shots.  The inputs are sampled from the
-    distributions of the section ``uncertainty``.
+    distributions of the section ``uncertainty``; `on_progress` gets the number of samples computed, and of all.
     """
     points, values = sampling.points_of(section), sampling.own_values(scenario)
     limits = np.empty((2, len(points)))

@@ -471,7 +471,7 @@ def lots_of(
 ) -> list[tuple[str, str]]:
     """Return the lots of a table of shots: the values that a column has in shots that count, each after its name.
 
-    `column` may be any usual name of the column; the other arguments are those of `read_shots`.
+    `column` may be any usual name of the column of lots; the other arguments are those of `read_shots`.
     """
     source = csv_files.open_table(path, is_of_shots, sheet)
     lines = [*source.lines]
@@ -628,7 +628,8 @@ def _rising_curves(
 ) -> list[tuple[ShotLikelihood, FittedCurve]]:
     """Return the likelihood and the likeliest curve by each link, probit and logit, without curves that do not rise.
 
-    `partial` and `complete` are ascending velocities, m/s.
+    `partial` and `complete` are ascending velocities, m/s; the likelihoods are `penalised` or not, and `confidence` is
+    the level of the intervals.
     """
     likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in curves.CDFS)
     return [(shots, curve) for shots in likelihoods if (curve := curves.curve_of(shots, confidence))]
@@ -770,6 +771,7 @@ def mean_v50(
 ) -> MeanV50 | None:
     """Compute the mean of MIL-STD-662F from ascending velocities, m/s; None if too few lie within the span.
 
+    The velocities are those of `partial` and of `complete` penetrations; `span_m_s` is the greatest span allowed.
     `pairs` is the number of shots of each kind, by default the first of 5, 3 and 2 that the span allows; for any other
     number the span must be given.
     """
@@ -779,7 +781,10 @@ def mean_v50(
 def means_of(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> tuple[MeanV50, ...]:
-    """Compute the means that `mean_v50` tries, in order: those of shots too far apart, and the allowed one, if any."""
+    """Compute the means that `mean_v50` tries, in order: those of shots too far apart, and the allowed one, if any.
+
+    The arguments are those of `mean_v50`.
+    """
     means = []
     for count in SPANS_M_S if pairs is None else (pairs,):
         velocities = [*partial[-count:], *complete[:count]]
