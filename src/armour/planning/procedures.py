@@ -362,16 +362,16 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
 
     They lie around V50 by the posterior `current` or, with a requirement, around the required velocity.
     """
-    greatest = settings.scatter_m_s * settings.prior.plausible_factor
+    plausible_scatter = settings.scatter_m_s * settings.prior.plausible_factor
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.requirement_m_s is not None:
         low = high = settings.requirement_m_s
-        reach = AROUND * min(scatter, greatest)
+        reach = AROUND * min(scatter, plausible_scatter)
     else:
         # Contradictory shots imply a scatter beyond the prior, which is no reason to aim far away.
-        tail = TAIL if scatter <= greatest else WIDE_TAIL
+        tail = TAIL if scatter <= plausible_scatter else WIDE_TAIL
         low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
-        reach = SCATTERS * min(scatter, greatest)
+        reach = SCATTERS * min(scatter, plausible_scatter)
     low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     return np.linspace(low, high, count)
 

@@ -675,8 +675,8 @@ def _mistakes(entry: LibraryEntry) -> dict[str, str]:
     """Return what is wrong with an entry, by key: values that it lacks, or a scatter or length that cannot be right."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
-    is_shown = entry.evidence is not None and entry.evidence.shows_scatter()
-    if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not is_shown:
+    has_firings = entry.evidence is not None and entry.evidence.shows_scatter()
+    if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not has_firings:
         return {SCATTER_KEYS[0]: least_scatter(entry.scatter_percent)}
     if entry.kind != "projectile" or is_slender(rod := entry.inputs_as("projectile")):
         return {}

@@ -165,24 +165,24 @@ def every_problem(
     if they are wrong.
     """
     problems = problems_of(error, model, file)
-    rest, tables = deepcopy(data), set[str]()
+    remaining_data, tables = deepcopy(data), set[str]()
     for detail in error.errors():
         *above, last = _key_parts(detail) or [""]
         if detail["type"] != UNKNOWN_KEY:
             tables |= {*upwards(key_name(above))}
         with suppress(KeyError, TypeError):  # the table may have been removed with another mistake
-            table: Any = reduce(getitem, above, rest)
+            table: Any = reduce(getitem, above, remaining_data)
             if isinstance(table, dict):
                 table.pop(last, None)
-    if rest == data:
+    if remaining_data == data:
         return problems
     try:
-        read(rest)
+        read(remaining_data)
         return problems
-    except ValidationError as later:
-        further: Sequence[Problem] = problems_of(later, model, file)
-    except InputError as later:
-        further = later.problems
+    except ValidationError as later_error:
+        further: Sequence[Problem] = problems_of(later_error, model, file)
+    except InputError as later_error:
+        further = later_error.problems
     # A problem in a table from which a wrong value was removed may just come of the removal.
     reported = {problem.key for problem in problems} | tables
     return problems + [problem for problem in further if not {*upwards(problem.key)[:2]} & reported]

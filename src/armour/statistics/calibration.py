@@ -244,11 +244,11 @@ def calibrate(
     if law is not None and FLOW_STRESS not in fit:
         raise mistake("calibrate", "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    by_law = replace(tests, groups=groups, scenario=with_law(scenario, law))
+    tests_by_law = replace(tests, groups=groups, scenario=with_law(scenario, law))
     names = [*dict.fromkeys([*fit, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
-    result = _fitted(likelihood_of(by_law, names, on_progress), law)
+    result = _fitted(likelihood_of(tests_by_law, names, on_progress), law)
     question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
-    return _with_evidence(result, by_law, fit).of(subject_of(tests), **question)
+    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:

@@ -118,8 +118,9 @@ def unused(tests: Tests, role: str) -> list[str]:
     leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
     evidence = tests_of_tiles()
     if role == "backing":
-        held = [(each, rows & each.holds(quantities)) for each, rows in variants.armours.by_evidence]
-        evidence, holds = max(held, key=lambda pair: (pair[1] & (reasons[shots] == "")).sum())
+        # The tests of plates that hold for most of the measurements still in use.
+        holding = [(each, rows & each.holds(quantities)) for each, rows in variants.armours.by_evidence]
+        evidence, holds = max(holding, key=lambda held: (held[1] & (reasons[shots] == "")).sum())
         leave_out(~holds, "no shipped test is of such a plate and penetrator")
     longest_path = (1.0 + 1e-6) / cosine_of(evidence.obliquity_max_deg)
     angles = np.where(quantities["path_ratio"] > longest_path, _rounded(variants.cosines), 1.0)

@@ -235,19 +235,19 @@ def quantile(limits: Floats, probability: float) -> Estimate:
     return Estimate(value, low, high)
 
 
-def probability_curve(limits: Floats, greatest: float | None) -> ProbabilityCurve:
+def probability_curve(limits: Floats, greatest_probability: float | None) -> ProbabilityCurve:
     """Estimate the probability of perforation over velocity, with pointwise intervals, from limits of shots, m/s.
 
-    `limits`, (samples,), are the velocities below which the sampled shots are stopped; `greatest` is the greatest
-    probability of stopping that is stated; None if no probability is known.
+    `limits`, (samples,), are the velocities below which the sampled shots are stopped; `greatest_probability` is the
+    greatest probability of stopping that is stated, None if no probability is known.
     """
     lowest, highest = limits.min(), limits.max()
     margin = 0.05 * (highest - lowest) + 1.0
     velocities = np.linspace(lowest - margin, highest + margin, 121)
-    least = 0.0 if greatest is None else 1.0 - greatest
-    estimates = [_probability_of(limits <= velocity).at_least(least) for velocity in velocities]
+    least_probability = 0.0 if greatest_probability is None else 1.0 - greatest_probability
+    estimates = [_probability_of(limits <= velocity).at_least(least_probability) for velocity in velocities]
     value, low, high = (tuple(getattr(each, key) for each in estimates) for key in ("value", "low", "high"))
-    known, alone = (None, value) if greatest is None else (value, None)
+    known, alone = (None, value) if greatest_probability is None else (value, None)
     return ProbabilityCurve(tuple(velocities.tolist()), known, alone, low, high)
 
 
