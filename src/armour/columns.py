@@ -92,7 +92,7 @@ class Column(NamedTuple):
         return _meaning(word, words) if said is None else said == self.yes
 
     def words(self, cells: Sequence[str]) -> Sequence[str]:
-        """Return the cells of the column; if it is of yes and no and has only crosses and blanks, as yes and no.
+        """Return the cells, with yes and no for crosses and blanks if it is of yes and no and has no other.
 
         If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say
         that a row does not count, a blank cell says that it does.

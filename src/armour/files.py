@@ -129,7 +129,7 @@ def refuse_pipe(path: str | PathLike[str]) -> None:
 
 
 def decoded(stream: BinaryIO, file: str) -> str:
-    """Read a binary stream as UTF-8 text; an InputError, with `file` as its name, says if it is too long or no text."""
+    """Read a binary stream as UTF-8 text; an InputError that names the `file` says if it is too long or no text."""
     try:
         content = stream.read(MAX_BYTES + 1)
         if len(content) <= MAX_BYTES:
@@ -158,7 +158,7 @@ def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, An
 
 
 def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
-    """Parse a text in TOML; an InputError, with `file` as its name, quotes the wrong line if `quoted`."""
+    """Return the content of a text in TOML; an InputError that names the `file` quotes the wrong line if `quoted`."""
     try:
         if _DEEP_KEY.search(text) or _depth(data := tomllib.loads(text)) > MAX_DEPTH:
             raise RecursionError
@@ -259,7 +259,7 @@ def _obstacle(path: Path) -> str:
 
 
 def _is_stream(path: Path) -> bool:
-    """Return whether a path is a device or a pipe, which is written to; files are replaced."""
+    """Return whether a path is a device or a pipe, which is written to directly, as it cannot be replaced."""
     return path.exists() and not path.is_file()
 
 

@@ -54,7 +54,7 @@ class Workbook(NamedTuple):
 
 
 def content_of(path: Path) -> bytes:
-    """Return the content of a workbook or a Parquet file."""
+    """Return the content of a workbook or a Parquet file; raise an InputError if it is too long or cannot be read."""
     try:
         refuse_pipe(path)
         with open(path, "rb") as file:
@@ -67,7 +67,7 @@ def content_of(path: Path) -> bytes:
 
 
 def workbook_of(path: Path, content: bytes) -> Workbook:
-    """Open the workbook that a file contains; a broken one raises any error."""
+    """Return the workbook in the content of a file, for `rows_of`; a broken one may raise an error of any kind."""
     if content.count(b"PK\1\2") > MAX_PARTS:
         raise mistake(path, "", f"must be a workbook of at most {MAX_PARTS:,} parts, found more")
     archive = Archive(path, content)

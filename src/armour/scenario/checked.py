@@ -48,7 +48,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        """Call the function with the arguments as their types have them."""
+        """Call the function with its arguments checked, and converted as their types require."""
         bound = None
         with suppress(TypeError):
             bound = parameters.bind(*args, **kwargs)

@@ -75,7 +75,7 @@ def _docstrings(section: type) -> dict[str, str]:
 
 
 def above(key: str, *, or_equal: bool = False) -> AfterValidator:
-    """Return a validator of a number that must be above, `or_equal` to, the number of an earlier key of its table."""
+    """Return a validator of a number that must be above that of an earlier key of its table or, if so given, equal."""
 
     def check(value: float | None, info: ValidationInfo) -> float | None:
         """Return the number unless it is too small."""

@@ -100,7 +100,7 @@ class TwoLots:
 
     @property
     def p_value(self) -> float:
-        """Probability of a deviance as large as that of no difference, if there is none."""
+        """P value of equal V50s: the probability of a deviance as large as that of no difference, if there is none."""
         deviance = 2.0 * (self._loss(self._likeliest_near(self.mode, 0.0)) - self._loss(self.mode))
         return float(2.0 * ndtr(-sqrt(max(deviance, 0.0))))
 

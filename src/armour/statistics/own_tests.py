@@ -62,7 +62,7 @@ def repeated(tests: Tests) -> Iterator[str]:
 
 
 def nothing_of_error(scenario: Scenario) -> str:
-    """Return the reason why an entry of a scenario that is calibrated without usable tests has no model error."""
+    """Return the reason why a calibrated entry has no model error: none of its tests could be used."""
     if settings := other_settings(scenario):
         return f"{NOTHING_OF_ERROR}: their limits were computed with {settings}"
     reasons = "none measured a limit, one is implausible for any lot, or their settings, armours or angles are not"

@@ -70,7 +70,7 @@ class FiringPrior(NamedTuple):
 
     @property
     def plausible_factor(self) -> float:
-        """Factor by which the scatter exceeds the expected one at most, unless it contradicts the prior."""
+        """Greatest factor by which the scatter may exceed the expected one without contradicting the prior."""
         return self.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
 
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:

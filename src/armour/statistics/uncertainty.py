@@ -175,7 +175,10 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
 
 
 def _distribution_notes(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:
-    """Yield a warning for each distribution without the scenario's value, or with a mean that truncation moves."""
+    """Yield a warning for each distribution that does not contain the scenario's value, or whose mean truncation moves.
+
+    `values` are those of the scenario's inputs, by name.
+    """
     for name, distribution in section.inputs().items():
         if name in values:
             if not distribution.contains(values[name]):
