@@ -17,7 +17,10 @@ MODEL_VERSION = "1.7"
 
 @cache
 def _public() -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
-    """Attach the public names on the first use of one, which the command line can start without."""
+    """Return the functions that get a public name and that list all, and the list; made on the first use of a name.
+
+    The command line starts without them.
+    """
     import lazy_loader
 
     return lazy_loader.attach_stub(__name__, __file__)

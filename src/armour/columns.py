@@ -82,7 +82,7 @@ class Column(NamedTuple):
 
     @property
     def in_unit(self) -> str:
-        """The quantity and its unit, in words, such as "velocity in ft/s"."""
+        """The quantity and the unit that it has in the table, in words, such as "velocity in ft/s"."""
         return f"{words_and_unit(self.key)[0]} in {'inches' if self.unit == 'in' else self.unit}"
 
     def says(self, word: str) -> bool | None:
@@ -92,7 +92,7 @@ class Column(NamedTuple):
         return _meaning(word, words) if said is None else said == self.yes
 
     def words(self, cells: Sequence[str]) -> Sequence[str]:
-        """Replace crosses by yes and blanks by no in a column of yes and no that has nothing else.
+        """Return the cells, with yes and no for crosses and blanks if it is of yes and no and has no other.
 
         If all cells are blank, they mean no only in a column that marks the rows to leave out.  Where all others say
         that a row does not count, a blank cell says that it does.
@@ -106,19 +106,19 @@ class Column(NamedTuple):
 
 
 def folded(text: str) -> str:
-    """Return the letters and digits of a text, without accents and case, its words divided by underscores."""
+    """Return a text in lower case without accents, as words of letters and digits, divided by underscores."""
     plain = unicodedata.normalize("NFKD", text.casefold())
     return "_".join(re.findall(r"[^\W_]+|[#°]", "".join(c for c in plain if not unicodedata.combining(c))))
 
 
 @lru_cache
 def letters(text: str) -> str:
-    """Return the letters and digits of a text, without accents and case."""
+    """Return the letters and digits of a text, in lower case without accents, by which names are compared."""
     return folded(text).replace("_", "")
 
 
 def _by_word(pairs: Sequence[Sequence[str]]) -> dict[str, bool]:
-    """Return whether each word, by its letters, is the second one of its pair."""
+    """Return for each word, by its letters, whether it is the second one of its pair, such as "perforated"."""
     return {letters(word): place == 1 for pair in pairs for place, word in enumerate(pair)}
 
 
@@ -136,7 +136,7 @@ def perforates(word: str) -> bool | None:
 
 
 def _meaning(word: str, words: Mapping[str, bool]) -> bool | None:
-    """Return the meaning of a word by its letters; None if it has none, or is marked as uncertain."""
+    """Return the meaning that `words` gives a word, by its letters; None if it has none or is marked as uncertain."""
     return None if _DOUBT.search(word) else words.get(letters(word))
 
 
@@ -156,13 +156,13 @@ def sums_up(name: str) -> bool:
 
 
 def unit_of(header: str) -> str:
-    """Return the unit at the end of a header, as keys have it, such as "mm" for "Tile (in)"; "" if it has none."""
-    unit = _UNIT_NAMES.get(_ending(folded(header)), "")
+    """Return the unit of keys for the unit at the end of a header, such as "mm" for "Tile (in)"; "" if it has none."""
+    unit = _UNIT_NAMES.get(_unit_at_end(folded(header)), "")
     return next((key_unit for key_unit, units in UNITS.items() if unit in units), "")
 
 
-def _ending(text: str) -> str:
-    """Return the unit, folded, at the end of a folded header; "" if it has none."""
+def _unit_at_end(text: str) -> str:
+    """Return the unit at the end of a header, both as `folded` returns them; "" if it has none."""
     return max((unit for unit in _UNIT_NAMES if text.endswith(f"_{unit}")), key=len, default="")
 
 
@@ -172,8 +172,8 @@ def is_unit(text: str) -> bool:
 
 
 @cache
-def _keys(columns: tuple[str, ...]) -> dict[str, str]:
-    """Return the given keys by the letters of every name that their columns may have, without units."""
+def _keys_by_name(columns: tuple[str, ...]) -> dict[str, str]:
+    """Return keys by the letters of each name that their columns may have, without the unit; `columns` are the keys."""
     keys = {letters(name): key for key in reversed(columns) for name in USUAL_NAMES.get(key, ())}
     for key in columns:
         unit = words_and_unit(key)[1]
@@ -182,7 +182,10 @@ def _keys(columns: tuple[str, ...]) -> dict[str, str]:
 
 
 def _key_of(name: str, keys: Mapping[str, str]) -> str | None:
-    """Return the key of a name, which may begin or end with a word for "number"; None if it has no key."""
+    """Return the key of a name, which may have a word for "number" before or behind it; None if it has no key.
+
+    `keys` are those of `_keys_by_name`.
+    """
     name = letters(name)
     if (key := keys.get(name)) is not None:
         return key
@@ -199,25 +202,25 @@ def column_of(header: str, columns: Sequence[str]) -> Column:
         return Column(header, yes=YES_MEANS.get(header))
     if len(header) > MAX_NAME:
         return Column(header, known=False)
-    keys = _keys(tuple(columns))
+    keys = _keys_by_name(tuple(columns))
     name = _BRACKETS.sub(lambda bracket: bracket[0] if is_unit(bracket[1]) else " ", header)
     for text in map(folded, (header, name)):
-        ending = _ending(text)
+        ending = _unit_at_end(text)
         stem = re.sub("_(in|en)$", "", text.removesuffix(f"_{ending}")) if ending else text
-        whole = _key_of(text, keys)
-        key = _key_of(stem, keys) or whole
+        whole_key = _key_of(text, keys)
+        key = _key_of(stem, keys) or whole_key
         if key is None:
             continue
         units = UNITS.get(words_and_unit(key)[1])
         if units is None:
-            return _of_words(key, header) if whole else Column(header, known=False)
+            return _column_of_words(key, header) if whole_key else Column(header, known=False)
         unit = _UNIT_NAMES.get(ending, "")
         return Column(key, units.get(unit, 0.0), unit, averaged=letters(stem) in _AVERAGED)
     return Column(header, known=False)
 
 
 def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Return the columns of a table by its header.
+    """Return the columns of a table, given the names in its header and the keys that they may mean.
 
     Other names for a key do not count if the key itself is there, nor several velocities beside that of the impact.
     """
@@ -236,23 +239,28 @@ def columns_of(header: Sequence[str], keys: Sequence[str]) -> list[Column]:
     ]
 
 
-def _of_words(key: str, header: str) -> Column:
-    """Return a column of words; for results and yes and no, the brackets in its header may tell what yes means."""
+def _column_of_words(key: str, header: str) -> Column:
+    """Return the column of a key for words, whose header may tell in brackets what yes means.
+
+    This concerns columns of results and of yes and no, as in "Result (1 = perforated)".
+    """
     column = Column(key, yes=YES_MEANS.get(key))
-    note = " ".join(_BRACKETS.findall(header)).replace("?", "")
-    if key not in (*RESULT_KEYS, *YES_MEANS) or not note:
+    bracketed = " ".join(_BRACKETS.findall(header)).replace("?", "")
+    if key not in (*RESULT_KEYS, *YES_MEANS) or not bracketed:
         return column
+    # Codes and what each means, as in "1 = perforated", which must agree with what yes means.
     of_yes = column._replace(yes=column.yes is not False)
-    if codes := [(code, word) for code, word in _CODES.findall(note) if of_yes.says(code) is not None]:
-        same = {None if of_yes.says(word) is None else of_yes.says(code) == of_yes.says(word) for code, word in codes}
+    if codes := [(code, word) for code, word in _CODES.findall(bracketed) if of_yes.says(code) is not None]:
+        agree = {None if of_yes.says(word) is None else of_yes.says(code) == of_yes.says(word) for code, word in codes}
         has_yes = all(is_yes(code) is not None for code, _ in codes)
-        if same == {True}:
+        if agree == {True}:
             return of_yes if has_yes else column
-        return of_yes._replace(yes=not of_yes.yes) if same == {False} and has_yes else Column(key, 0.0, note)
-    rest = _EITHER.sub(lambda two: two[0] if None in map(is_yes, two.groups()) else " ", note)
-    said = {column._replace(yes=None).says(words) for words in re.split(f"[,;]|{_OR}", rest) if letters(words)}
-    if said in (set(), {False, True}) or (column.yes is not None and None in said):
+        return of_yes._replace(yes=not of_yes.yes) if agree == {False} and has_yes else Column(key, 0.0, bracketed)
+    # What else is in the brackets; "yes/no" alone does not say what yes means.
+    rest = _EITHER.sub(lambda two: two[0] if None in map(is_yes, two.groups()) else " ", bracketed)
+    meant = {column._replace(yes=None).says(words) for words in re.split(f"[,;]|{_OR}", rest) if letters(words)}
+    if meant in (set(), {False, True}) or (column.yes is not None and None in meant):
         return column
-    if None in said or is_code(rest):
-        return Column(key, unit=note)
-    return column._replace(yes=said == {True}) if column.yes in (None, *said) else Column(key, 0.0, note)
+    if None in meant or is_code(rest):
+        return Column(key, unit=bracketed)
+    return column._replace(yes=meant == {True}) if column.yes in (None, *meant) else Column(key, 0.0, bracketed)

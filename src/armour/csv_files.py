@@ -75,7 +75,7 @@ class Source:
     options: list[str] = field(default_factory=list)  # that mend problems, two words for each
 
     def wrong(self, key: str, message: str) -> None:
-        """Record what is wrong at a line, or in a cell of a line."""
+        """Record what is wrong in a line or a cell; `key` is its place, as "line 3: velocity_m_s"."""
         self.problems.append(Problem(self.file, key, message))
 
     def title(self, place: int) -> str:
@@ -83,18 +83,24 @@ class Source:
         return self.header[place] or f"column {place + 1}"
 
     def check_kept(self, keep: Iterable[str]) -> None:
-        """Refuse the names of columns to keep that the table does not have."""
+        """Raise an InputError unless the table has all columns to keep, given by name."""
         unknown = [name for name in keep if name not in self.header]
         wrong = (f'must name a column, found "{name}"{choices(name, self.header)}' for name in unknown)
         refuse(Problem(self.file, "keep", message) for message in wrong)
 
     def check_marks(self, places: Iterable[str]) -> None:
-        """Record as wrong the rows, of those that count, that are hidden or struck through in a sheet."""
+        """Record as wrong the rows that count although they are hidden or struck through in a sheet.
+
+        `places` are those of the rows that count.
+        """
         for place in self.marked.keys() & {*places}:
             self.wrong(place, f"must not be {self.marked[place]} if it counts; show it, or let a column counts say no")
 
     def divided(self, name: str, cells: Sequence[str], noun: str, unread: str = "") -> None:
-        """Record as wrong that a column divides the rows by its cells, with the ways on."""
+        """Record as wrong that the values of a column divide the rows into groups, and which options help.
+
+        `noun` is for a row, such as "shot"; `unread` is the beginning of the message for a column that is not read.
+        """
         counts = Counter(cells).most_common()
         found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
         options, word = ("--where", f"{name}={counts[0][0]}"), shell_line([name])
@@ -105,12 +111,12 @@ class Source:
         self.options += options
 
     def numbers(
-        self, name: str, column: Column, at: Sequence[str], cells: Sequence[str], *, needed: bool = False
+        self, name: str, column: Column, places: Sequence[str], cells: Sequence[str], *, needed: bool = False
     ) -> list[float | None]:
-        """Return the numbers of a column, in the unit of its key.
+        """Return the numbers in the cells of a column, in the unit of its key.
 
-        A cell that is no number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not
-        `needed`.
+        `name` is the column's in the table, and `places` are those of the cells, for messages.  A cell that is no
+        number, or has two meanings, gives None and is recorded as wrong, unless it is blank and not `needed`.
         """
         mark = decimal_mark(cells, column, self.separator) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
@@ -118,19 +124,22 @@ class Source:
             for index, cell in enumerate(cells):
                 message = "" if mark else two_meanings(cell)
                 if message or (values[index] is None and (cell or needed)):
-                    self.wrong(f"{at[index]}: {name}", message or f'must be a number, found "{cell}"')
+                    self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
                     values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
         self.conversions += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
         return [None if value is None else value * column.factor for value in values]
 
     def refuse(self) -> None:
-        """Raise an error with all that is wrong, in the order of the lines, after what is wrong in the whole file."""
+        """Raise an InputError if problems are recorded: those of the file as a whole first, then by line."""
         if problems := sorted(self.problems, key=lambda problem: int((_LINE.match(problem.key) or [0, 0])[1])):
             raise InputError(problems, self.options if len(self.options) == 2 * len(problems) else ())
 
     def told(self, rows: str, notes: Sequence[str] = ()) -> tuple[str, bool]:
-        """Return in words how the table is read, given its rows and notes, and whether it is read as it stands."""
+        """Return in words how the table was read, and whether it was read as it stands, with nothing converted.
+
+        `rows` are words for how many rows there are; `notes` say what was left out or averaged.
+        """
         form = (
             SEPARATORS.get(self.separator, ""),
             ENCODINGS.get(self.encoding, ""),
@@ -252,7 +261,7 @@ def open_table(
 
 
 def _csv_source(path: Path, source: Source, known: Callable[[str], bool], content: bytes | None) -> Source:
-    """Find the separator and the header of a CSV file."""
+    """Return a source with the separator, the header and the lines of a CSV file; `content` replaces the file's."""
     texts = _texts(path, source, content)
     head = [*islice(texts, HEAD)]
     declared = re.fullmatch(r"sep=([,;\t])\s*", head[0]) if head else None
@@ -260,17 +269,21 @@ def _csv_source(path: Path, source: Source, known: Callable[[str], bool], conten
         head[0] = "\n"
     filled = [text for text in head if text.strip(",;\t\r\n ")]
 
-    def names(separator: str) -> tuple[int, int]:
+    def fit(separator: str) -> tuple[int, int]:
+        """Return how well a separator fits: the known names in the header, and the number of its columns."""
         rows = [next(csv.reader([text], delimiter=separator), [""]) for text in filled]
         count, place = _most_known(rows, known)
         return count, len(rows[place]) if rows else 0
 
-    source.separator = declared[1] if declared else max(SEPARATORS, key=names)
+    source.separator = declared[1] if declared else max(SEPARATORS, key=fit)
     return _with_header(source, _cells(path, chain(head, texts), source.separator), known)
 
 
 def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> tuple[int, int]:
-    """Return the number of known names in the header, and its index: 0 unless another row has the most names."""
+    """Return the greatest number of known names in a row, and the index of the header among the rows.
+
+    The header is the row with the most known names, if these are at least LEAST_NAMES, or else the first.
+    """
     # Words such as "no" are names too, but not twice.
     counts = [sum(known(cell.strip()) for cell in {*row}) for row in rows]
     most = max(counts, default=0)
@@ -278,7 +291,11 @@ def _most_known(rows: Sequence[Sequence[str]], known: Callable[[str], bool]) -> 
 
 
 def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], bool]) -> Source:
-    """Take the header from the lines of a table; if the line below has only units, add them to the names."""
+    """Return a source with the header of a table and the lines below it, taken from all its lines.
+
+    `known` tells whether a text names a column.  If the line below the header has only units, they are added to the
+    names.
+    """
     head = [*islice(lines, HEAD)]
     if not head:
         return source
@@ -297,6 +314,7 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
     source.header = header
 
     def trimmed() -> Iterator[Line]:
+        """Yield the lines below the header, without blank cells beyond its width."""
         for place, cells in chain(head, lines):
             while len(cells) > len(header) and not cells[-1]:
                 cells.pop()
@@ -307,7 +325,10 @@ def _with_header(source: Source, lines: Iterator[Line], known: Callable[[str], b
 
 
 def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
-    """Yield the lines of a text file: UTF-8, UTF-16 with its mark, or Windows-1252 where it is not UTF-8."""
+    """Yield the lines of a CSV file: in UTF-8, UTF-16 with its mark, or Windows-1252 where it is not UTF-8.
+
+    `content` replaces that of the file.  The encoding and the digest of the source are set on the way.
+    """
     try:
         if content is None:
             refuse_pipe(path)
@@ -331,7 +352,10 @@ def _texts(path: Path, source: Source, content: bytes | None) -> Iterator[str]:
 
 
 def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
-    """Yield the place and cells of each line that is not blank; no cell spans several lines."""
+    """Yield the place and the cells of each line of CSV that is not blank; `path` names the file in messages.
+
+    An InputError says if a cell spans several lines.
+    """
     last_line = 0
     reader = csv.reader(texts, delimiter=separator, strict=True)
     try:
@@ -349,7 +373,10 @@ def _cells(path: Path, texts: Iterator[str], separator: str) -> Iterator[Line]:
 
 
 def _sheet_lines(path: Path, source: Source, sheet: str | None, known: Callable[[str], bool]) -> Iterator[Line]:
-    """Yield the rows of a sheet of a workbook that are not blank, by default of the only visible one with a table."""
+    """Yield the rows that are not blank of a sheet of a workbook, by default of the only visible one with a table.
+
+    What the source says of the content is set on the way; `known` tells whether a text names a column.
+    """
     try:
         content = content_of(path)
         source.digest.update(content)
@@ -387,7 +414,10 @@ def shipped_rows(name: str) -> list[dict[str, str]]:
 
 
 def _of_rows(table: Any, file: str = "rows", digest: Any = None) -> Source:
-    """Return a source for rows given in Python: mappings, columns by name, or a data frame; or for those of a file."""
+    """Return a source for rows given in Python: mappings, columns by name, or a data frame.
+
+    Columns that were read from a `file` have its name and a `digest` of its content.
+    """
     try:
         rows = records(table)
     except (TypeError, ValueError):
@@ -408,7 +438,7 @@ def read_rows(
     *,
     closed: bool = True,
 ) -> CsvTable:
-    """Read the rows of a table of a kind; at least ``least`` must be left.
+    """Read the rows of an open table of a kind; at least ``least`` must be left.
 
     Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
     Columns that are not read must not divide the rows, unless ``ignore`` names them or the table is not ``closed``.
@@ -418,15 +448,15 @@ def read_rows(
     unwanted = {i for name in ignore for i in named_places(source, columns, name)}
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
     unread = {i for i, each in enumerate(columns) if not each.known and not each.averaged} - {*dict(chosen)} - unwanted
-    columns, every, reasons = _checked(source, kind, columns, unread, least)
-    lines = _chosen(source, columns, every, chosen, reasons)
+    columns, every, reasons = _usable_lines(source, kind, columns, unread, least)
+    lines = _chosen_lines(source, columns, every, chosen, reasons)
     unused = [(place, reasons[place], cells) for place, cells in every if place in reasons]
     not_used = tuple(NotUsed(place, source.title(index), cells[index], (*cells,)) for place, index, cells in unused)
     left_out = tuple(place for place, _ in lines if place in reasons)
     lines = [line for line in lines if line[0] not in reasons]
     source.check_marks(place for place, _ in lines)
     rows = [CsvRow(place, {}, {}) for place, _ in lines]
-    averaged = _fill(source, kind, columns, lines, rows)
+    averaged = _fill_rows(source, kind, columns, lines, rows)
     groups, ignored, warnings = dict[str, list[str]](), list[str](), list[str]()
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
@@ -435,10 +465,10 @@ def read_rows(
         elif not column.known and index not in dict(chosen):
             ignored += [name] * bool(source.header[index] or any(cells))
             if index in unread and are_remarks(cells):
-                warnings.append(_quoted(name, rows, cells))
+                warnings.append(_remarks_quoted(name, rows, cells))
             elif index in unread and closed:
-                _check_unread(source, name, cells, kind.noun)
-    equal = _equal(source, kind.texts[0], rows, lines)
+                _check_not_dividing(source, name, cells, kind.noun)
+    equal = _repeated_shots(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(source.file, "", "must have rows that count")])
     notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
@@ -452,10 +482,13 @@ def read_rows(
     return CsvTable(rows, read, groups)
 
 
-def _fill(
+def _fill_rows(
     source: Source, kind: TableKind, columns: Sequence[Column], lines: Sequence[Line], rows: Sequence[CsvRow]
 ) -> list[list[str]]:
-    """Fill the rows with the cells of the columns of a kind; return the names of columns whose mean is read."""
+    """Fill empty rows, one for each line, with the cells of the columns that the kind of table has.
+
+    Return, for each quantity whose mean is taken over several columns, their names.
+    """
     repeated: dict[str, dict[str, list[float | None]]] = {}
     for index, column in enumerate(columns):
         name, cells = source.title(index), [cells[index] for _, cells in lines]
@@ -476,8 +509,11 @@ def _fill(
     return [[*by_name] for by_name in repeated.values() if len(by_name) > 1]
 
 
-def _quoted(name: str, rows: Sequence[CsvRow], cells: Sequence[str]) -> str:
-    """Return the remarks in a column that is not read, with the places of their rows."""
+def _remarks_quoted(name: str, rows: Sequence[CsvRow], cells: Sequence[str]) -> str:
+    """Return a warning that quotes the remarks in a column that is not read, with the places of their rows.
+
+    `name` is that of the column, and `cells` has its cell in each of the rows.
+    """
     said = dict[str, list[str]]()
     for row, cell in zip(rows, cells, strict=True):
         said.setdefault(cell, []).append(row.place)
@@ -497,8 +533,8 @@ def are_remarks(cells: Sequence[str]) -> bool:
     return len(texts) == len(cells) and any(map(_PHRASE.search, texts))
 
 
-def _check_unread(source: Source, name: str, cells: Sequence[str], noun: str) -> None:
-    """Record as wrong that a column which is not read divides the rows: some cells are equal, and others differ.
+def _check_not_dividing(source: Source, name: str, cells: Sequence[str], noun: str) -> None:
+    """Record as wrong if a column that is not read divides the rows into groups: some cells equal, others different.
 
     Numbers of which more than half differ are measured, and divide the rows only if they lie in two groups far apart,
     as yaw angles do of which some are too great.
@@ -515,12 +551,13 @@ def _check_unread(source: Source, name: str, cells: Sequence[str], noun: str) ->
         source.wrong(name, f"is not read and divides the {noun}s: up to {low:g}, from {high:g}; {ways}")
 
 
-def _checked(
+def _usable_lines(
     source: Source, kind: TableKind, columns: list[Column], unread: Collection[int], least: int
 ) -> tuple[list[Column], list[Line], dict[str, int]]:
-    """Return the columns of a table, its lines of the width of the header, and `_uncounted`.
+    """Return the columns of a table, the lines that are as wide as its header, and `_lines_left_out`.
 
-    Lines of another width are recorded as wrong.
+    Lines of another width are recorded as wrong; wrong columns raise an InputError.  `unread` has the indices of the
+    columns that are not read; `least` is the least number of lines.
     """
     file, header = source.file, source.header
     if not source.place:
@@ -529,20 +566,23 @@ def _checked(
     lines = [*islice(source.lines, MAX_TABLE_ROWS + 1)]
     if len(lines) > MAX_TABLE_ROWS:
         raise mistake(file, "", f"must have at most {MAX_TABLE_ROWS} rows below its header, found more")
-    whole = [line for line in lines if len(line[1]) == len(header)]
-    uncounted = _uncounted(source, columns, whole, kind.texts[0])
-    columns = _without_copies(source, columns, [line for line in whole if line[0] not in uncounted])
+    full_lines = [line for line in lines if len(line[1]) == len(header)]
+    uncounted = _lines_left_out(source, columns, full_lines, kind.texts[0])
+    columns = _without_copies(source, columns, [line for line in full_lines if line[0] not in uncounted])
     refuse(Problem(file, key, message) for key, message in _wrong_columns(source, columns, unread, kind))
     for place, cells in lines:
         if len(cells) != len(header):
             source.wrong(place, wrong_width(cells, header))
     if len(lines) < least:
         source.problems = [Problem(file, "", "must have at least one row below its header")]
-    return columns, whole, uncounted
+    return columns, full_lines, uncounted
 
 
 def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | None]], rows: Sequence[CsvRow]) -> None:
-    """Fill the rows with the means of several numbers of a quantity, which must agree."""
+    """Fill the rows with the mean of several numbers of one quantity, which must agree.
+
+    `key` is that of the quantity; `by_name` has the numbers by name of column, one for each row.
+    """
     for index, row in enumerate(rows):
         found = {name: number for name, numbers in by_name.items() if (number := numbers[index]) is not None}
         if found:
@@ -554,7 +594,7 @@ def _average(source: Source, key: str, by_name: Mapping[str, Sequence[float | No
 
 
 def _fill_texts(source: Source, name: str, column: Column, cells: Sequence[str], rows: Sequence[CsvRow]) -> None:
-    """Fill the rows with the cells of a column of texts."""
+    """Fill the rows with the cells of a column of texts; yes and no become words for a result where they mean one."""
     words = column.words(cells)
     for row, cell in zip(rows, words, strict=True):
         is_word = is_yes(cell) is not None
@@ -572,6 +612,7 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
     """Return the columns; one that repeats another in another unit or in opposite words is not `known` any more."""
 
     def values(place: int) -> list[float]:
+        """Return the numbers in the column at an index, or 1 and 0 for words; NaN for other cells."""
         column, cells = columns[place], [cells[place] for _, cells in lines]
         if column.yes is not None:
             return [nan if (said := column.says(cell)) is None else said for cell in column.words(cells)]
@@ -592,7 +633,10 @@ def _without_copies(source: Source, columns: list[Column], lines: Sequence[Line]
 def _wrong_columns(
     source: Source, columns: Sequence[Column], unread: Collection[int], kind: TableKind
 ) -> Iterator[tuple[str, str]]:
-    """Yield the mistakes in the columns of a table: the name of the column, and what is wrong."""
+    """Yield the mistakes in the header of a table: the name of a column, and what is wrong with it.
+
+    `unread` has the indices of the columns that are not read.
+    """
     keys = kind.keys
     usual = kind.usual or ", ".join(key for key in keys if key not in kind.exact)
     known_keys = [column.key for column in columns if column.known]
@@ -622,13 +666,13 @@ def _wrong_columns(
     yield from ((key, missing_column) for key in kind.needed if key not in known_keys)
 
 
-def _chosen(
+def _chosen_lines(
     source: Source, columns: Sequence[Column], lines: list[Line], chosen: list[tuple[int, str]], reasons: dict[str, int]
 ) -> list[Line]:
-    """Return the lines that have the `chosen` values in the columns of the given indices.
+    """Return the lines that have the chosen values; `chosen` has pairs of the index of a column and its value.
 
-    `reasons` has the columns by which lines are not used, by place: so far those that do not count, in which a chosen
-    column may be blank.  It gets those that are not chosen.
+    `reasons` has, by place of a line that is not used, the index of the column that decides this: first the lines that
+    do not count, in which a chosen column may be blank.  Those that are not chosen are added.
     """
     uncounted = {*reasons}
     for index, value in chosen:
@@ -645,23 +689,23 @@ def _chosen(
 
 
 def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "where") -> list[int]:
-    """Return the indices of the columns that a name in an option means."""
+    """Return the indices of the columns that a name in an option means; raise an InputError if there is none."""
     if not (places := named_places(source, columns, name)):
         raise mistake(source.file, option, f'must name a column, found "{name}"')
     return places
 
 
 def named_places(source: Source, columns: Sequence[Column], name: str) -> list[int]:
-    """Return the indices of the columns that have a name or, if none has exactly this name, one like it."""
+    """Return the indices of the columns with exactly this name or, if there is none, of those with a similar one."""
     titles = [*map(source.title, range(len(columns)))]
     exact = [i for i, title in enumerate(titles) if title == name]
     return exact or [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
 
 
-def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> dict[str, int]:
-    """Return the lines that do not count, or whose name, in the column `naming`, is that of a summary.
+def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> dict[str, int]:
+    """Return the lines to leave out: by place, the index of the column that says so.
 
-    Each is given by its place, with the index of the column that says so.
+    They do not count, or their name, in the column whose key is `naming`, is that of a summary, such as "mean".
     """
     by_key = {column.key: place for place, column in enumerate(columns) if column.known}
     name, index = by_key.get(naming), next((place for place in by_key.values() if columns[place].counts), None)
@@ -677,8 +721,11 @@ def _uncounted(source: Source, columns: Sequence[Column], lines: Sequence[Line],
     return places
 
 
-def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
-    """Return the places of shots without a name that equal earlier ones; report any other row that repeats one."""
+def _repeated_shots(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
+    """Return the places of shots without a name that equal earlier ones; any other repeated row is recorded as wrong.
+
+    `naming` is the key of the column of names.
+    """
     places: dict[tuple[str, ...], str] = {}
     equal = []
     for row, (place, cells) in zip(rows, lines, strict=True):
@@ -691,7 +738,7 @@ def _equal(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[
 
 
 def decimal_mark(cells: Iterable[str], column: Column, separator: str) -> str | None:
-    """Return the decimal mark of a column, by its cells and the bounds of its quantity; None if both are possible.
+    """Return the decimal mark of a column, "." or ",", by its cells and the bounds of its quantity; None if unclear.
 
     The mark is a point in a table with commas between its columns, unless a cell has a comma.
     """
@@ -701,17 +748,17 @@ def decimal_mark(cells: Iterable[str], column: Column, separator: str) -> str | 
         return "."
     low, high = column.bounds
     read: dict[str, list[float | None]] = {}
-    fitting, whole = [], []
+    fitting, readable = [], []
     for mark in ",." if has_commas else ".,":
         read[mark] = values = [number_as(cell, mark) for cell in cells]
         numbers = [value * column.factor for value in values if value is not None]
         if len(numbers) == len(values):
-            whole.append(mark)
+            readable.append(mark)
             fitting += [mark] if not numbers or low <= min(numbers) <= max(numbers) <= high else []
     if len(fitting) == 2 and read["."] != read[","]:
         return None
     usual = ",." if separator in WITH_DECIMAL_COMMAS else ".,"
-    return [*fitting, *whole, min(usual, key=lambda mark: read[mark].count(None))][0]
+    return [*fitting, *readable, min(usual, key=lambda mark: read[mark].count(None))][0]
 
 
 def two_meanings(cell: str) -> str:
@@ -721,12 +768,12 @@ def two_meanings(cell: str) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Return whether a cell is a number, with whatever decimal mark."""
+    """Return whether a cell is a number with either decimal mark."""
     return any(number_as(cell, mark) is not None for mark in ".,")
 
 
 def number_as(cell: str, mark: str) -> float | None:
-    """Return the number in a cell, given its decimal mark; None if the cell is not a number."""
+    """Return the number in a cell, with the decimal `mark` "." or ","; None if the cell is not a number."""
     value = number(cell if mark == "." else "" if "." in cell else cell.replace(",", "."))
     if value is None and (grouped := _GROUPED[mark].fullmatch(cell)):
         return number_as(cell.replace(grouped[1], ""), mark)
@@ -734,10 +781,10 @@ def number_as(cell: str, mark: str) -> float | None:
 
 
 def targets_of(source: Source, table: CsvTable, name: str, perforated: Sequence[bool | None]) -> list[str]:
-    """Return the values of a column that stand for targets, not serial numbers.
+    """Return the values of a column of groups that stand for targets of shots, unlike serial numbers of shots.
 
-    At least three shots have such a value, or shots with both results.  Blank cells, as in merged cells of a sheet, are
-    refused if there are other values.
+    `perforated` has the result of each row.  At least three shots have such a value, or shots with both results.  Blank
+    cells, as in merged cells of a sheet, are refused if there are other values.
     """
     values, shots = table.groups[name], dict[str, list[bool | None]]()
     for value, result in zip(values, perforated, strict=True):
@@ -750,19 +797,19 @@ def targets_of(source: Source, table: CsvTable, name: str, perforated: Sequence[
 
 
 def wrong_result(text: str) -> str:
-    """Return what is wrong with a result that is neither "stopped" nor "perforated", nor another word for one."""
+    """Return the message on a text that is neither "stopped" nor "perforated", nor another word for one."""
     hint = '; such a column needs the name "perforated" or "stopped"' if is_yes(text) is not None else ""
     return f'{MUST_SAY}, found "{text}"{hint}'
 
 
 def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:
-    """Yield the problem of a column that names targets and is blank in some rows, given their places."""
+    """Yield the problem of a column of a file that names targets and is blank in some rows, given their places."""
     if blank:
         yield Problem(file, name, f"must be filled in every row that counts, found blank cells in {listed(blank)}")
 
 
 def wrong_width(cells: Sequence[str], header: Sequence[str]) -> str:
-    """Return what is wrong with a row that has more or fewer cells than the header."""
+    """Return the message on a row that has more or fewer cells than the header."""
     hint = "; write decimals with points, texts with commas in quotes, and all headings" * (len(cells) > len(header))
     return f"must have {counted(len(header), 'cell')} as the header has, found {len(cells)}{hint}"
 

@@ -82,7 +82,7 @@ class Note:
         return f"{self.key}: {self.text}" if self.key else self.text
 
     def against(self, threats: str) -> "Note":
-        """Return the warning, about some threats only: " against M2", say; "" is for all."""
+        """Return the warning with words at its end that say which threats it is about, as " against M2"; "" for all."""
         return replace(self, text=self.text + threats)
 
 
@@ -122,7 +122,7 @@ class NoLimitError(NoAnswerError):
 
 
 def mistake(file: str | PathLike[str], key: str, message: str) -> InputError:
-    """Return the error of one mistake; see `Problem`."""
+    """Return the InputError of one mistake: its file, its dotted key or "", and what is wrong, as in `Problem`."""
     return InputError([Problem(str(file), key, message)])
 
 
@@ -136,13 +136,13 @@ def restated(restate: Callable[[Problem], Problem]) -> Iterator[None]:
 
 
 def refuse(problems: Iterable[Problem]) -> None:
-    """Raise an InputError if there are problems."""
+    """Raise an InputError with these problems, if there are any."""
     if listed_problems := tuple(problems):
         raise InputError(listed_problems)
 
 
 def _listed_once(problems: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the problems; if several list the same choices, only the first one keeps the list."""
+    """Yield the problems; if the messages of several list the same choices, only the first one keeps the list."""
     lists = set[str]()
     for problem in problems:
         message, _, names = problem.message.partition(CHOOSE)
@@ -163,7 +163,7 @@ def joined(names: Sequence[str], word: str = "and") -> str:
 
 
 def point_hint(value: object) -> str:
-    """Return a hint if a value is a text with a decimal comma; otherwise ""."""
+    """Return the end of a message, a hint at the decimal point, if a value is a text with a decimal comma; else ""."""
     return "; decimals have a point" if re.fullmatch(r"[+-]?\d+,\d+", str(value)) else ""
 
 
@@ -183,9 +183,9 @@ def duration(seconds: float) -> str:
 
 
 def in_one_line(notes: Sequence[Note], where: str) -> list[str]:
-    """Return the first warning that the answer does not contain, in at most one line.
+    """Return a list of one line, the first warning that the answer itself does not contain; [] if there is none.
 
-    `where` says, in words, where all warnings are, if there are more.
+    If there are more warnings, the line ends with `where`, words for where all of them are.
     """
     told = [note for note in notes if not note.said]
     return [f"{told[0]}{f'; more {where}' * (len(notes) > 1)}"] if told else []
@@ -198,19 +198,19 @@ def suggestion(word: str, names: Sequence[str]) -> str:
     folded, by_folded = _folded(word), {_folded(name): name for name in names}
     # A name that contains every part of the word is closer than any other.
     parts = {*folded.split()}
-    whole = [name for name in by_folded if parts and parts <= {*name.replace(",", " ").split()}]
-    like = whole or [name for name in by_folded if _is_like(folded, name)]
-    closest = get_close_matches(folded, like, n=1, cutoff=0.0 if whole else LIKENESS)
+    complete = [name for name in by_folded if parts and parts <= {*name.replace(",", " ").split()}]
+    like = complete or [name for name in by_folded if _is_like(folded, name)]
+    closest = get_close_matches(folded, like, n=1, cutoff=0.0 if complete else LIKENESS)
     return f'; did you mean "{by_folded[closest[0]]}"?' if closest else ""
 
 
 def _folded(name: str) -> str:
-    """Return a form of a name that is equal for names that differ only in case or in the form of characters."""
+    """Return a name in lower case and with one form of each character, so that it compares equal to similar names."""
     return unicodedata.normalize("NFKC", name).casefold()
 
 
 def _is_like(word: str, name: str) -> bool:
-    """Return whether a name may be meant by a misspelt one, `word`.
+    """Return whether `word` may be a misspelling of a name; both are as `_folded` returns them.
 
     The name must have each number of the other; and all words of one of the two must be like words of the other.
     """
@@ -218,8 +218,8 @@ def _is_like(word: str, name: str) -> bool:
         return False
     parts, others = _BETWEEN.split(word), _BETWEEN.split(name)
     return any(
-        all(get_close_matches(part, whole, n=1, cutoff=LIKENESS) for part in some)
-        for some, whole in ((parts, others), (others, parts))
+        all(get_close_matches(part, all_words, n=1, cutoff=LIKENESS) for part in some)
+        for some, all_words in ((parts, others), (others, parts))
     )
 
 

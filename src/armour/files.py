@@ -63,7 +63,7 @@ def shipped_notebooks() -> dict[str, Path]:
     return {path.name: path for path in shipped_files("docs", ".ipynb").values()}
 
 
-def _kinds() -> dict[str, dict[str, Path]]:
+def _files_by_kind() -> dict[str, dict[str, Path]]:
     """Return the shipped scenarios, suites and tables: for each kind of file, in words, the files by name."""
     return {
         "scenario": shipped_files("scenarios", ".toml"),
@@ -84,7 +84,7 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
     except (OSError, ValueError) as error:
         if name not in files:
             with_ending, stem = path.with_suffix(".toml"), path.name.removesuffix(".toml").removesuffix(".csv")
-            shipped_names = ((kind, other) for kind, names in _kinds().items() for other in names)
+            shipped_names = ((kind, other) for kind, names in _files_by_kind().items() for other in names)
             alike = [f"; {other} is a shipped {kind}" for kind, other in shipped_names if Path(other).name == stem]
             hints = (
                 f'; did you mean "{with_ending}"?' * os.path.isfile(with_ending),
@@ -97,8 +97,8 @@ def located(path: Path, files: Mapping[str, Path]) -> Path:
 
 
 def named(path: Path) -> str:
-    """Return the path of a file as text; that of a shipped file is its name, as it differs between installations."""
-    names = {file: name for files in _kinds().values() for name, file in files.items()}
+    """Return the path of a file as text; of a shipped file its name, as its path differs between installations."""
+    names = {file: name for files in _files_by_kind().values() for name, file in files.items()}
     return names.get(Path(os.path.normpath(path)), str(path))
 
 
@@ -129,7 +129,7 @@ def refuse_pipe(path: str | PathLike[str]) -> None:
 
 
 def decoded(stream: BinaryIO, file: str) -> str:
-    """Read a binary stream as UTF-8 text; `file` is its name in messages."""
+    """Read a binary stream as UTF-8 text; an InputError that names the `file` says if it is too long or no text."""
     try:
         content = stream.read(MAX_BYTES + 1)
         if len(content) <= MAX_BYTES:
@@ -158,7 +158,7 @@ def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, An
 
 
 def parse_toml(text: str, file: str, *, quoted: bool = True) -> dict[str, Any]:
-    """Parse a text in TOML; `file` is its name in messages, which quote the wrong line if `quoted`."""
+    """Return the content of a text in TOML; an InputError that names the `file` quotes the wrong line if `quoted`."""
     try:
         if _DEEP_KEY.search(text) or _depth(data := tomllib.loads(text)) > MAX_DEPTH:
             raise RecursionError
@@ -182,7 +182,7 @@ def _depth(value: object) -> int:
 
 
 def printable(text: str) -> str:
-    """Escape the control characters of a text from a file, including line ends."""
+    """Return a text from a file with its control characters, including line ends, escaped."""
     return "".join(
         character
         if character.isprintable() or unicodedata.category(character) == "Zs"
@@ -197,7 +197,10 @@ def shell_line(words: Iterable[str]) -> str:
 
 
 def _shell_word(text: str) -> str:
-    """Quote a word; control characters and bytes that are no text by their codes, as POSIX has it since 2024."""
+    """Return a word quoted for a shell, with octal codes for control characters and for bytes that are no text.
+
+    The form with codes, in $'', is that of POSIX since 2024.
+    """
     if text.isprintable():
         return quote(text)
     codes = [c if c.isprintable() and c not in "'\\" else [*os.fsencode(c)] for c in text]
@@ -215,7 +218,7 @@ def csv_value(cell: str) -> str:
 
 
 def finite(value: Any) -> Any:
-    """Replace NaN and infinity by None, as JSON has neither, in mappings, lists and tuples too."""
+    """Return a value with None in place of NaN and infinity, which JSON lacks, also within mappings and lists."""
     if isinstance(value, Mapping):
         return {key: finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -241,7 +244,7 @@ def unwritable(path: Path) -> list[Problem]:
 
 
 def _obstacle(path: Path) -> str:
-    """Return why a file cannot be written; "" if it can."""
+    """Return why a file cannot be written, in words; "" if it can."""
     with suppress(FileNotFoundError):
         os.stat(path)  # a loop of links, or a name that is too long
     if path.is_dir():
@@ -256,7 +259,7 @@ def _obstacle(path: Path) -> str:
 
 
 def _is_stream(path: Path) -> bool:
-    """Return whether a path is a device or a pipe, which is written to; files are replaced."""
+    """Return whether a path is a device or a pipe, which is written to directly, as it cannot be replaced."""
     return path.exists() and not path.is_file()
 
 

@@ -46,7 +46,7 @@ def plain(value: Any) -> Any:
 
 
 def items(values: Any) -> list[Any]:
-    """Return the values of a sequence, an array or a column, each `plain`; a TypeError if it is none, as a text."""
+    """Return the values of a sequence, an array or a column, each as by `plain`; raise a TypeError for a text."""
     if isinstance(values, str | bytes | Mapping) or getattr(values, "shape", None) == ():
         raise TypeError
     listed = values.tolist() if hasattr(values, "tolist") and not _has_unit(values) else values
@@ -54,7 +54,7 @@ def items(values: Any) -> list[Any]:
 
 
 def records(table: Any) -> list[dict[str, str]]:
-    """Return rows given in Python as texts by column; a TypeError or ValueError if they are none, or unequally long."""
+    """Return rows given in Python, each as texts by column; raise a TypeError or ValueError if they are none."""
     columns = getattr(table, "columns", table if isinstance(table, Mapping) else None)
     rows = table if columns is None else zip(*(items(table[name]) for name in dict.fromkeys(columns)), strict=True)
     # If two names of columns are the same, a row has fewer cells than there are names.

@@ -54,7 +54,7 @@ class Workbook(NamedTuple):
 
 
 def content_of(path: Path) -> bytes:
-    """Return the content of a workbook or a Parquet file."""
+    """Return the content of a workbook or a Parquet file; raise an InputError if it is too long or cannot be read."""
     try:
         refuse_pipe(path)
         with open(path, "rb") as file:
@@ -67,12 +67,12 @@ def content_of(path: Path) -> bytes:
 
 
 def workbook_of(path: Path, content: bytes) -> Workbook:
-    """Open the workbook that a file contains; a broken one raises any error."""
+    """Return the workbook in the content of a file, for `rows_of`; a broken one may raise an error of any kind."""
     if content.count(b"PK\1\2") > MAX_PARTS:
         raise mistake(path, "", f"must be a workbook of at most {MAX_PARTS:,} parts, found more")
     archive = Archive(path, content)
-    main = next(part for kind, part in _related(archive, "").values() if kind == "officeDocument")
-    related = _related(archive, main)
+    main = next(part for kind, part in _related_parts(archive, "").values() if kind == "officeDocument")
+    related = _related_parts(archive, main)
     sheets, visible, first_day = dict[str, str](), list[str](), datetime(1899, 12, 30)
     for name, attributes, _ in _tags(archive, main):
         if name == "workbookPr" and attributes.get("date1904") in ("1", "true"):
@@ -89,9 +89,9 @@ def workbook_of(path: Path, content: bytes) -> Workbook:
 
 
 def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
-    """Yield the number and the cells of each row of a sheet that is not empty, and how it is marked as not to be read.
+    """Yield the number, the cells and the mark of each row of a sheet that is not empty.
 
-    A row is as wide as those above.  The mark is "hidden", "struck through" or "".
+    A row is as wide as those above.  The mark says why it may not be meant: "hidden", "struck through" or "".
     """
     number = column = width = 0
     cells, cells_left, characters_left = list[str](), MAX_CELLS, MAX_CHARACTERS
@@ -107,13 +107,13 @@ def rows_of(book: Workbook, sheet: str) -> Iterator[tuple[int, list[str], str]]:
                 mark = "hidden" if attributes.get("hidden") in ("1", "true") else ""
             case "c":
                 place = attributes.get("r")
-                column = _column(place.rstrip("0123456789")) if place else column + 1
+                column = _column_number(place.rstrip("0123456789")) if place else column + 1
                 kind, style, value = attributes.get("t", "n"), int(attributes.get("s", 0)), ""
             case "rPh" | "/rPh":  # how a text is pronounced
                 is_reading = name == "/rPh"
             case "/v" | "/t" if is_reading:
                 value += text
-            case "/c" if found := _text(book, kind, style, value):
+            case "/c" if found := _text_of_cell(book, kind, style, value):
                 if column > MAX_COLUMNS:
                     raise mistake(
                         book.archive.path, f"row {number}", f"must have at most {MAX_COLUMNS:,} columns, found more"
@@ -137,7 +137,7 @@ def comments_of(book: Workbook, sheet: str) -> list[str]:
     folder, name = split(book.sheets[sheet])
     if join(folder, "_rels", f"{name}.rels") not in book.archive.NameToInfo:
         return []
-    parts = [part for kind, part in _related(book.archive, book.sheets[sheet]).values() if kind == "comments"]
+    parts = [part for kind, part in _related_parts(book.archive, book.sheets[sheet]).values() if kind == "comments"]
     tags = (tag for part in parts for tag in _tags(book.archive, part))
     return [attributes["ref"] for name, attributes, _ in tags if name == "comment"]
 
@@ -150,18 +150,21 @@ def _tags(archive: Archive, part: str) -> Iterator[Tag]:
     depth = count = length = 0
 
     def begin(name: str, attributes: dict[str, str]) -> None:
+        """Add an opening tag with its attributes."""
         nonlocal depth
         depth += 1
         pieces.clear()
         tags.append((name.rpartition(":")[2], attributes, ""))
 
     def end(name: str) -> None:
+        """Add the closing tag, "/name", with the text before it."""
         nonlocal depth
         depth -= 1
         tags.append((f"/{name.rpartition(':')[2]}", {}, "".join(pieces)))
         pieces.clear()
 
     def refuse(*_declared: object) -> None:
+        """Raise a ValueError for a document type."""
         raise ValueError("a document type, whose entities may be of any length")
 
     parser = ParserCreate(intern=names)
@@ -186,8 +189,11 @@ def _tags(archive: Archive, part: str) -> Iterator[Tag]:
     yield from tags
 
 
-def _related(archive: Archive, part: str) -> dict[str, tuple[str, str]]:
-    """Return the kind and the name of each part that a part, or "" for the whole workbook, refers to, by their ids."""
+def _related_parts(archive: Archive, part: str) -> dict[str, tuple[str, str]]:
+    """Return the parts that a part of a workbook refers to, by the ids in it: the kind and the name of each.
+
+    `part` is "" for the parts that the workbook itself begins with.
+    """
     folder, name = split(part)
     return {
         attributes["Id"]: (
@@ -200,7 +206,7 @@ def _related(archive: Archive, part: str) -> dict[str, tuple[str, str]]:
 
 
 def _shared_texts(archive: Archive, part: str) -> Iterator[str]:
-    """Yield the texts to which cells refer by their places."""
+    """Yield the texts that cells share and refer to by index."""
     is_reading, pieces, left = True, list[str](), MAX_CHARACTERS
     for name, _, text in _tags(archive, part):
         match name:
@@ -217,7 +223,7 @@ def _shared_texts(archive: Archive, part: str) -> Iterator[str]:
 
 
 def _styles(archive: Archive, part: str) -> Iterator[tuple[bool, bool]]:
-    """Yield whether each style of cells shows dates or times, and whether it strikes texts through."""
+    """Yield for each style of cells, in order, whether it shows dates or times, and whether it strikes through."""
     formats, struck, is_of_cells = {*map(str, _DATES)}, list[bool](), False
     for name, attributes, _ in _tags(archive, part):
         match name:
@@ -237,7 +243,7 @@ def _styles(archive: Archive, part: str) -> Iterator[tuple[bool, bool]]:
 
 
 @lru_cache(MAX_COLUMNS)
-def _column(letters: str) -> int:
+def _column_number(letters: str) -> int:
     """Return the number of a column: 1 for A, 27 for AA."""
     if not re.fullmatch("[A-Z]{1,3}", letters):
         raise ValueError("not a cell")
@@ -247,8 +253,12 @@ def _column(letters: str) -> int:
     return number
 
 
-def _text(book: Workbook, kind: str, style: int, value: str) -> str:
-    """Return the text of a cell of a kind and style, given its value."""
+def _text_of_cell(book: Workbook, kind: str, style: int, value: str) -> str:
+    """Return a cell as text, given its value in the file; dates and times are in ISO form.
+
+    `kind` is its type: "s" for a shared text, given by its index, "b" for true or false, "n" for a number or date; the
+    value of any other is the text.  `style` is the index of its style.
+    """
     value = value.strip()
     if kind == "s" and value:
         if int(value) < 0:

@@ -9,11 +9,11 @@ from scipy.stats import norm
 from armour.evidence.model_error import ModelError
 from armour.planning.firing import aimed
 from armour.planning.procedures import (
-    Demand,
+    RequirementCurves,
     ShotSettings,
-    demand_of,
     expected_shots,
     next_bayesian,
+    requirement_curves,
     stopped_bayesian,
 )
 from armour.statistics.posterior import FiringPrior
@@ -37,15 +37,15 @@ def prior_of(v50_m_s: float) -> FiringPrior:
 SETTINGS = ShotSettings(prior_of(760.0), requirement_m_s=REQUIRED)
 
 
-def ratios(demand: Demand, shots: Shots) -> list[float]:
-    known = demand.posterior(shots.velocities_m_s, shots.complete)
-    return demand.ratios(known.weights[None])[0].tolist()
+def ratios(curves: RequirementCurves, shots: Shots) -> list[float]:
+    known = curves.posterior(shots.velocities_m_s, shots.complete)
+    return curves.ratios(known.weights[None])[0].tolist()
 
 
 @pytest.mark.parametrize("count", [1, 3, 6])
 def test_partial_penetrations_at_the_requirement(count: int):
     """A curve that just meets it gives each one half; others, a distance of sinh(1.6 u) away, the probability of it."""
-    found = ratios(demand_of(REQUIRED, 0.5, SCATTER, 2.0), Shots((REQUIRED,) * count, (False,) * count))
+    found = ratios(requirement_curves(REQUIRED, 0.5, SCATTER, 2.0), Shots((REQUIRED,) * count, (False,) * count))
     mean = 2.0 * norm.expect(lambda u: ndtr(np.sinh(1.6 * u)) ** count, lb=0.0, ub=6.0)
     assert found[0] == pytest.approx(mean / 0.5**count, rel=0.02)
 
@@ -53,7 +53,7 @@ def test_partial_penetrations_at_the_requirement(count: int):
 @pytest.mark.parametrize("fraction", [0.5, 0.05])
 def test_the_likeliest_curve_that_fails_just_meets_the_requirement(fraction: float):
     shots = Shots((690.0, 702.0, 707.0, 712.0, 718.0, 726.0, 735.0), (False, False, False, False, True, False, True))
-    demand, argument = demand_of(REQUIRED, fraction, SCATTER, 2.0), float(ndtri(fraction))
+    curves, argument = requirement_curves(REQUIRED, fraction, SCATTER, 2.0), float(ndtri(fraction))
     v, sign = np.array(shots.velocities_m_s), np.where(shots.complete, 1.0, -1.0)
 
     def lost(x: np.ndarray) -> float:
@@ -62,12 +62,12 @@ def test_the_likeliest_curve_that_fails_just_meets_the_requirement(fraction: flo
         return -float(log_ndtr(sign * z).sum())
 
     best = min(minimize(lost, start, method="Nelder-Mead").fun for start in ((-3.0, -3.0), (0.0, -2.0), (-8.0, -4.0)))
-    z = (v[:, None] - demand.grid.v50_m_s) / demand.grid.scatter_m_s
+    z = (v[:, None] - curves.grid.v50_m_s) / curves.grid.scatter_m_s
     likelihood = log_ndtr(sign[:, None] * z).sum(axis=0)
-    assert likelihood[demand.met == 0.5].max() == pytest.approx(-best, abs=0.01)
-    mean, _ = ratios(demand, shots)
+    assert likelihood[curves.met == 0.5].max() == pytest.approx(-best, abs=0.01)
+    mean, _ = ratios(curves, shots)
     assert mean == pytest.approx(
-        np.average(np.exp(likelihood), weights=np.exp(demand.log_weights) * (demand.met == 1.0)) / np.exp(-best),
+        np.average(np.exp(likelihood), weights=np.exp(curves.log_weights) * (curves.met == 1.0)) / np.exp(-best),
         rel=0.01,
     )
 
@@ -82,17 +82,17 @@ def test_shots_as_planned_decide_as_soon_as_expected():
 
 def test_the_gain_is_the_expected_increase_of_the_logarithm_of_the_ratio():
     shots = Shots((690.0, 702.0, 707.0), (False, True, False))
-    demand = demand_of(REQUIRED, 0.5, SCATTER, 2.0)
-    known, before = demand.posterior(shots.velocities_m_s, shots.complete), np.log(ratios(demand, shots))
+    curves = requirement_curves(REQUIRED, 0.5, SCATTER, 2.0)
+    known, before = curves.posterior(shots.velocities_m_s, shots.complete), np.log(ratios(curves, shots))
     expected = []
     for velocity in (690.0, 705.0):
-        [response] = demand.grid.response(np.array([velocity]))
+        [response] = curves.grid.response(np.array([velocity]))
         expected.append(0.0)
         for complete, chance in ((True, response), (False, 1.0 - response)):
-            change = np.log(ratios(demand, added(shots, velocity, complete))) - before
-            sides = [float((known.weights * chance)[demand.met == side].sum()) for side in (1.0, 0.0)]
+            change = np.log(ratios(curves, added(shots, velocity, complete))) - before
+            sides = [float((known.weights * chance)[curves.met == side].sum()) for side in (1.0, 0.0)]
             expected[-1] += float(sides @ change)
-    gained = demand.gains(known.weights[None], demand.grid.response(np.array([690.0, 705.0])))[0]
+    gained = curves.gains(known.weights[None], curves.grid.response(np.array([690.0, 705.0])))[0]
     assert gained[1] - gained[0] == pytest.approx(expected[1] - expected[0])
 
 

@@ -285,10 +285,10 @@ def plan_shots(
 def _expected_v50(
     limit: LimitResult | None, fired: Shots, limits_m_s: tuple[float, float] | None
 ) -> tuple[float, ModelError]:
-    """Return the V50 that is expected, m/s, and its error.
+    """Return the V50 that is expected before the shots, m/s, and its error, for the prior.
 
-    They are the model's limit and the model error or, if this error is not known, follow from limits of V50, from the
-    model's limit alone or from the shots.
+    They are the model's limit and the model error.  If this error is not known, they follow from the limits of V50
+    given, m/s, else from the model's limit alone, else from the shots `fired`.
     """
     if limit is not None and limit.model_error is not None:
         return limit.ballistic_limit_m_s, limit.model_error
@@ -312,15 +312,16 @@ def _expected_v50(
 def _requirement(
     fired: Shots, settings: ShotSettings, posterior_of_v50: Posterior, *, ended: bool, operates: bool
 ) -> dict[str, Any]:
-    """Return the attributes of a plan about its requirement; `operates` adds the operating characteristic.
+    """Return the attributes of a `ShotPlan` that are about its requirement, by name.
 
-    `ended` tells whether the firing has ended, so that nothing more will decide.
+    `ended` tells whether the firing has ended, so that no further shot will decide; `operates` adds the operating
+    characteristic, which is simulated.
     """
-    if (demand := settings.demand()) is None or settings.requirement_m_s is None:
+    if (curves := settings.requirement_curves()) is None or settings.requirement_m_s is None:
         return {"probability_met": None}
     weights, risk = procedures.posterior(fired, settings).weights[None], 1.0 - settings.confidence
-    [decision] = demand.decisions(weights, settings.confidence)
-    [(met, not_met)] = demand.ratios(weights).tolist()
+    [decision] = curves.decisions(weights, settings.confidence)
+    [(met, not_met)] = curves.ratios(weights).tolist()
     return {
         "probability_met": posterior_of_v50.probability_above(settings.requirement_m_s, settings.requirement_fraction),
         "decision": ("not decided" if ended else "", "met", "not met")[decision],
@@ -333,7 +334,7 @@ def _requirement(
 
 
 def _curve(prior: Posterior, posterior: Posterior, fired: Shots) -> PlanCurve:
-    """Return the curves over the velocities of the prior's 99 % interval and of the shots."""
+    """Return prior, posterior and response for a chart, over the prior's 99 % interval of V50 and the shots `fired`."""
     low, high = prior.grid.v50_quantiles(prior.weights, (0.005, 0.995))[0].tolist()
     shown = (low, high, *fired.velocities_m_s)
     velocities = np.linspace(min(shown), max(shown), 201)
@@ -353,7 +354,7 @@ def aimed(velocity_m_s: float) -> float:
 
 
 def far_from(limit_m_s: float, velocity_m_s: float) -> str:
-    """Return a message that a velocity is too far from the expected V50, `limit_m_s`, to be right; "" if it is near."""
+    """Return the message that a velocity is too far from the expected V50, `limit_m_s`, to be right, else ""."""
     if limit_m_s / 3.0 <= velocity_m_s <= limit_m_s * 3.0:
         return ""
     near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"

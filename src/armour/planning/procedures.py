@@ -22,17 +22,18 @@ from armour.statistics.posterior import GRID_NODES, FiringPrior, Posterior, V50G
 from armour.statistics.v50 import MAX_VELOCITY_M_S, MIN_VELOCITY_M_S, SPANS_M_S, MeanV50, Shots, mean_v50
 from armour.units import FT
 
-# The velocity in question is that at which the given fraction of shots perforate.  Numbers of nodes: of its distance
-# from the required velocity, and of the scatter.  The distance, in scatters, is the hyperbolic sine of a normal
-# variable with the standard deviation SPREAD, up to FARTHEST; the scatter is log-normal, up to SCATTER_DEVIATIONS.
-DEMAND_NODES, SPREAD, FARTHEST, SCATTER_DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
+# The velocity in question is that at which the given fraction of shots perforate.  Numbers of nodes of the grid: of its
+# distance from the required velocity, and of the scatter.  The distance, in scatters, is the hyperbolic sine of a
+# normal variable with the standard deviation SPREAD, up to FARTHEST; the scatter is log-normal, up to
+# SCATTER_DEVIATIONS.
+REQUIREMENT_NODES, SPREAD, FARTHEST, SCATTER_DEVIATIONS = (30, 7), 1.6, 4.2, 2.4
 # Curves that just meet the requirement: number of nodes of their scatter, range of their scatter in units of the
 # required velocity, and weight of each curve, negligible in averages.
 EDGE_NODES, EDGE_SCATTERS, EDGE_WEIGHT = 41, (1e-3, 0.5), 1e-12
 
 
-class Demand(NamedTuple):
-    """Response curves that meet a requirement, do not meet it, or just meet it.
+class RequirementCurves(NamedTuple):
+    """Grid of response curves that meet a requirement, do not meet it, or just meet it ("edge"), with weights.
 
     The requirement is that the velocity at which a fraction of shots perforate exceeds the required velocity.  The
     evidence that it is met is a ratio: the likelihood of the shots averaged over curves that meet the requirement,
@@ -47,28 +48,35 @@ class Demand(NamedTuple):
 
     grid: V50Grid
     log_weights: Floats  # of the curves in averages, (points,)
-    met: Floats  # 1 for curves that meet the requirement, 0 for those that do not, 0.5 at the edge, (points,)
+    met: Floats  # 1 for curves that meet the requirement, 0 for those that do not, 0.5 for the edge, (points,)
 
     def posterior(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Posterior:
-        """Return the curves with their probabilities given shots; `complete` is true for complete penetrations."""
+        """Return the probability of each curve given shots, m/s; `complete` is true for complete penetrations."""
         return Posterior(self.grid, normalised(self.log_weights + self.grid.log_likelihood(velocities_m_s, complete)))
 
     def ratios(self, weights: Floats) -> Floats:
-        """Return the evidence for and against the requirement, (n, 2), by n distributions over curves, (n, points)."""
+        """Return the evidence for and against the requirement, (n, 2), as likelihood ratios.
+
+        `weights`, (n, points), are n distributions over the curves: their probabilities given the shots of n firings.
+        """
         edge = weights[:, self.met == 0.5].max(axis=1) / EDGE_WEIGHT
         sides = np.column_stack([weights @ (self.met == 1.0), weights @ (self.met == 0.0)])
         return 2.0 * sides / np.maximum(edge, 1e-290)[:, None]
 
     def decisions(self, weights: Floats, confidence: float) -> Ints:
-        """Return 1 if the requirement is met, -1 if not and 0 if undecided, (n,), by n distributions, (n, points)."""
+        """Return 1 where the requirement is met, -1 where it is not and 0 where this is undecided, (n,).
+
+        `weights` are those of `ratios`; the risk of either wrong decision is at most 1 minus `confidence`.
+        """
         accepted, rejected = (self.ratios(weights) * (1.0 - confidence) >= 1.0).T
         return accepted.astype(int) - rejected
 
     def gains(self, weights: Floats, response: Floats) -> Floats:
-        """Return the expected increase of the logarithm of the evidence for the true side, up to a constant, (n, m).
+        """Return how much a shot at each of m velocities is expected to help the decision in each of n firings, (n, m).
 
-        The increase is by a shot at each of m velocities, with `response`, (m, points), the probability of complete
-        penetration there; `weights`, (n, points), are n distributions over curves.
+        It is the expected increase of the logarithm of the evidence for the side that is true, up to a constant.
+        `weights`, (n, points), are those of `ratios`; `response`, (m, points), is the probability of complete
+        penetration at each velocity by each curve.
         """
         gained = np.zeros((len(weights), len(response)))
         for chance in (response, 1.0 - response):
@@ -80,21 +88,24 @@ class Demand(NamedTuple):
         return gained
 
 
-def demand_of(requirement_m_s: float, fraction: float, scatter_m_s: float, scatter_factor: float) -> Demand:
-    """Return response curves on both sides of a requirement: `fraction` of the shots perforate above `requirement_m_s`.
+def requirement_curves(required_m_s: float, fraction: float, scatter_m_s: float, factor: float) -> RequirementCurves:
+    """Return a grid of response curves that meet, miss or just meet (edge) a requirement.
 
-    The expected scatter and its factor weight the curves; they affect how many shots are needed, not the risks.
+    The requirement is that the velocity which perforates `fraction` of the shots exceeds `required_m_s`.  The
+    expected scatter, m/s, and the `factor` by which it may differ weight the curves: they affect how many shots are
+    needed, not the risks.
     """
-    arsinh_distance = np.linspace(-FARTHEST, FARTHEST, DEMAND_NODES[0])
-    scatter_deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, DEMAND_NODES[1])
-    distance = np.append(np.repeat(np.sinh(arsinh_distance), DEMAND_NODES[1]), np.zeros(EDGE_NODES))
-    edge_scatters = requirement_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
-    scatters = scatter_m_s * np.exp(log(scatter_factor) * scatter_deviation)
-    scatter = np.append(np.tile(scatters, DEMAND_NODES[0]), edge_scatters)
+    # The distance is that velocity minus the required one, in scatters.
+    arsinh_distance = np.linspace(-FARTHEST, FARTHEST, REQUIREMENT_NODES[0])
+    scatter_deviation = np.linspace(-SCATTER_DEVIATIONS, SCATTER_DEVIATIONS, REQUIREMENT_NODES[1])
+    distance = np.append(np.repeat(np.sinh(arsinh_distance), REQUIREMENT_NODES[1]), np.zeros(EDGE_NODES))
+    edge_scatters = required_m_s * np.geomspace(*EDGE_SCATTERS, EDGE_NODES)
+    scatters = scatter_m_s * np.exp(log(factor) * scatter_deviation)
+    scatter = np.append(np.tile(scatters, REQUIREMENT_NODES[0]), edge_scatters)
     weights = np.exp(-0.5 * np.add.outer((arsinh_distance / SPREAD) ** 2, scatter_deviation**2)).ravel()
     weights = np.append(weights / weights.sum(), np.full(EDGE_NODES, EDGE_WEIGHT))
-    grid = V50Grid(requirement_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
-    return Demand(grid, np.log(weights), 0.5 + 0.5 * np.sign(distance))
+    grid = V50Grid(required_m_s + (distance - float(ndtri(fraction))) * scatter, scatter, (1, len(scatter)))
+    return RequirementCurves(grid, np.log(weights), 0.5 + 0.5 * np.sign(distance))
 
 
 class ShotSettings(NamedTuple):
@@ -112,11 +123,10 @@ class ShotSettings(NamedTuple):
         """Expected scatter, the standard deviation of the response curve, m/s."""
         return self.prior.limit_m_s * self.prior.scatter_percent / 100.0
 
-    def demand(self) -> Demand | None:
-        """Return the curves for the requirement, if there is one; otherwise None."""
-        if self.requirement_m_s is None:
-            return None
-        return demand_of(self.requirement_m_s, self.requirement_fraction, self.scatter_m_s, self.prior.scatter_factor)
+    def requirement_curves(self) -> RequirementCurves | None:
+        """Return the grid of response curves that decides the requirement; None without a requirement."""
+        required, fraction, factor = self.requirement_m_s, self.requirement_fraction, self.prior.scatter_factor
+        return None if required is None else requirement_curves(required, fraction, self.scatter_m_s, factor)
 
 
 class Aim(NamedTuple):
@@ -127,7 +137,7 @@ class Aim(NamedTuple):
 
 
 def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
-    """Return the probit curve of greatest penalised likelihood; None if no rising curve fits the shots."""
+    """Fit a probit curve to shots by penalised likelihood; return None if no rising curve fits them."""
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     if not has_curve(partial, complete):
         return None
@@ -135,7 +145,7 @@ def recommended_fit(shots: Shots, confidence: float) -> FittedCurve | None:
 
 
 def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSettings) -> str:
-    """Return the reason to end the firing if an interval of V50, m/s, is narrow enough; else ""."""
+    """Return in words that the firing ends, as an interval of V50, m/s, is narrow enough; "" if it is not."""
     low, high = interval
     if settings.half_width_m_s is None or low is None or high is None or 0.5 * (high - low) > settings.half_width_m_s:
         return ""
@@ -143,7 +153,7 @@ def narrow_enough(interval: tuple[float | None, float | None], settings: ShotSet
 
 
 def stopped(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends by the recommended curve of the shots; "" if it continues."""
+    """Return why a firing by Langlie's or Neyer's procedure ends: V50 of the fitted curve is known well; "" if not."""
     fit = recommended_fit(shots, settings.confidence)
     return "" if fit is None else narrow_enough(fit.v50_interval_m_s, settings)
 
@@ -259,7 +269,10 @@ def next_by_neyer(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def _gaps(shots: Shots) -> list[float]:
-    """Return the lowest complete minus the highest partial velocity, m/s, after each shot once there are both kinds."""
+    """Return the gap after each shot, m/s: the lowest complete minus the highest partial velocity so far.
+
+    Shots before there are both kinds have none; the gap is negative where the kinds overlap.
+    """
     lowest, highest, gaps = np.inf, -np.inf, []
     for velocity, complete in zip(shots.velocities_m_s, shots.complete, strict=True):
         lowest, highest = (min(lowest, velocity), highest) if complete else (lowest, max(highest, velocity))
@@ -268,7 +281,10 @@ def _gaps(shots: Shots) -> list[float]:
 
 
 def _d_optimal(velocities: Sequence[float], v50: float, scatter: float) -> float:
-    """Return the next velocity, m/s, that maximises the determinant of the Fisher information on V50 and scatter."""
+    """Return the next velocity, m/s, at which a shot, with those at `velocities`, says most about V50 and the scatter.
+
+    It maximises the determinant of their Fisher information if V50 and the scatter are those given, m/s.
+    """
     z = (np.array(velocities) - v50) / scatter
     weights, gained = (np.exp(LOG_INFORMATION["probit"](arguments)) for arguments in (z, ARGUMENTS))
     gain = gained * (weights.sum() * ARGUMENTS**2 - 2.0 * (weights @ z) * ARGUMENTS + weights @ (z * z))
@@ -287,9 +303,12 @@ FIRINGS, DISTANCES = 100, (-3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 
 
 def posterior(shots: Shots, settings: ShotSettings, nodes: tuple[int, int] = GRID_NODES) -> Posterior:
-    """Return the posterior given the shots or, with a requirement, its curves with their probabilities."""
-    if demand := settings.demand():
-        return demand.posterior(shots.velocities_m_s, shots.complete)
+    """Return the posterior of V50 and the scatter given the shots, on a grid of `nodes` of each.
+
+    With a requirement, it is that of the curves which decide the requirement, without the prior.
+    """
+    if curves := settings.requirement_curves():
+        return curves.posterior(shots.velocities_m_s, shots.complete)
     return posterior_of(settings.prior, shots.velocities_m_s, shots.complete, nodes)
 
 
@@ -311,11 +330,11 @@ def next_bayesian(shots: Shots, settings: ShotSettings) -> Aim:
 
 
 def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
-    """Return why the firing ends: a decision on the requirement or a narrow interval of V50; "" if it continues."""
-    current, demand = posterior(shots, settings), settings.demand()
-    if demand is None:
+    """Return why a Bayesian firing ends: a decided requirement or a narrow interval of V50; "" if it continues."""
+    current, curves = posterior(shots, settings), settings.requirement_curves()
+    if curves is None:
         return narrow_enough(current.estimate(settings.confidence).v50_interval_m_s, settings)
-    [decision] = demand.decisions(current.weights[None], settings.confidence)
+    [decision] = curves.decisions(current.weights[None], settings.confidence)
     if decision == 0:
         return ""
     answer, side = ("met", "consumer") if decision > 0 else ("not met", "producer")
@@ -323,14 +342,14 @@ def stopped_bayesian(shots: Shots, settings: ShotSettings) -> str:
 
 
 def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floats) -> Floats:
-    """Return what a shot at each of m velocities is expected to say about V50 or the requirement, (n, m).
+    """Return how much a shot at each of m velocities is expected to say about V50 or the requirement, (n, m).
 
-    It is the expected reduction of the variance of V50 or, with a requirement, the gain of `Demand.gains`.  `weights`,
-    (n, points), are n distributions over the points of the grid; `response`, (m, points), is the probability of
-    complete penetration at each velocity.
+    It is the expected reduction of the variance of V50, (m/s)², or, with a requirement, `RequirementCurves.gains`.
+    `weights`, (n, points), are the posteriors of n firings over the points of the grid; `response`, (m, points), is the
+    probability of complete penetration at each velocity by each point.
     """
-    if demand := settings.demand():
-        return demand.gains(weights, response)
+    if curves := settings.requirement_curves():
+        return curves.gains(weights, response)
     # Unlike matrix products, these do not depend on the number of threads, as no grid has more than 10,000 points.
     probability = np.vecdot(weights[:, None], response).clip(1e-12, 1.0 - 1e-12)
     mean = expected(grid.v50_m_s, weights)
@@ -339,23 +358,30 @@ def gains(weights: Floats, grid: V50Grid, settings: ShotSettings, response: Floa
 
 
 def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats:
-    """Return `count` evenly spaced velocities to choose the next one from, m/s."""
-    greatest = settings.scatter_m_s * settings.prior.plausible_factor
+    """Return `count` evenly spaced velocities from which to choose that of the next shot, m/s, (count,).
+
+    They lie around V50 by the posterior `current` or, with a requirement, around the required velocity.
+    """
+    plausible_scatter = settings.scatter_m_s * settings.prior.plausible_factor
     scatter = float(expected(current.grid.scatter_m_s, current.weights))
     if settings.requirement_m_s is not None:
         low = high = settings.requirement_m_s
-        reach = AROUND * min(scatter, greatest)
+        reach = AROUND * min(scatter, plausible_scatter)
     else:
         # Contradictory shots imply a scatter beyond the prior, which is no reason to aim far away.
-        tail = TAIL if scatter <= greatest else WIDE_TAIL
+        tail = TAIL if scatter <= plausible_scatter else WIDE_TAIL
         low, high = current.grid.v50_quantiles(current.weights, (tail, 1.0 - tail))[0]
-        reach = SCATTERS * min(scatter, greatest)
+        reach = SCATTERS * min(scatter, plausible_scatter)
     low, high = np.clip([low - reach, high + reach], MIN_VELOCITY_M_S, MAX_VELOCITY_M_S)
     return np.linspace(low, high, count)
 
 
 class Firings:
-    """n simulated firings at the same time, each with its posterior over the points of a common grid, (n, points)."""
+    """n simulated firings at the same time, each with its posterior over the points of a common grid, (n, points).
+
+    All `count` firings start from the posterior `current`, follow the Bayesian procedure with the same settings, and
+    aim at one of `velocities` evenly spaced velocities.
+    """
 
     def __init__(self, current: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:
         self.settings, self.grid = settings, current.grid
@@ -378,14 +404,13 @@ class Firings:
         return self.grid.v50_quantiles(self.weights, (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence))
 
     def ended(self) -> Ints:
-        """Return how each firing stands, (n,).
+        """Return how each firing has ended, (n,): 1, -1, or 0 if it has not.
 
-        1 is the end with the requirement met or with a narrow interval of V50, -1 the end with the requirement not met;
-        0 is no end yet.
+        1 is the end with the requirement met or with a narrow interval of V50, -1 that with the requirement not met.
         """
         settings = self.settings
-        if demand := settings.demand():
-            return demand.decisions(self.weights, settings.confidence)
+        if curves := settings.requirement_curves():
+            return curves.decisions(self.weights, settings.confidence)
         low, high = self.intervals(settings.confidence).T
         return (0.5 * (high - low) <= (settings.half_width_m_s or 0.0)).astype(int)
 
@@ -393,10 +418,10 @@ class Firings:
 def fire(
     firings: Firings, v50_m_s: Floats, scatter_m_s: Floats, dice: np.random.Generator, least: int = 1
 ) -> tuple[Floats, Ints]:
-    """Simulate `firings`, one at each of n armours with a true V50 and scatter, m/s, (n,).
+    """Simulate `firings`, one at each of n armours with a true V50 and scatter, m/s, (n,); `dice` draws the results.
 
-    Stop when fewer than `least` of them continue.  Return the number of shots of each at its end, (n,), infinite
-    without an end; and how it ended, (n,), as by `Firings.ended`.
+    Return the number of shots of each firing, (n,), infinite without an end, and how it ended, (n,), as by
+    `Firings.ended`.  The simulation stops when fewer than `least` firings continue.
     """
     shots = np.full(len(v50_m_s), inf)
     ended = np.zeros(len(v50_m_s), dtype=int)
@@ -415,7 +440,7 @@ def fire(
 
 
 def expected_shots(shots: Shots, settings: ShotSettings) -> float | None:
-    """Return the median number of further shots in simulated continuations; None if it exceeds MOST_SHOTS."""
+    """Return the median number of further shots in simulated continuations of a firing; None if above MOST_SHOTS."""
     current = posterior(shots, settings, FUTURE_NODES)
     # Even if the decision does not use the prior, the prior predicts the number of shots.
     prediction = posterior(shots, settings._replace(requirement_m_s=None), FUTURE_NODES)
@@ -456,7 +481,10 @@ class OperatingPoint:
 
 
 def operating_characteristic(settings: ShotSettings) -> tuple[OperatingPoint, ...]:
-    """Simulate firings at armours from below to above the requirement, all with the expected scatter."""
+    """Return the outcomes of simulated firings at armours from below to above the requirement.
+
+    All armours have the expected scatter; the distances of their V50 are DISTANCES.
+    """
     assert settings.requirement_m_s is not None
     current, scatter = posterior(Shots((), ()), settings, FUTURE_NODES), settings.scatter_m_s
     v50_at_edge = settings.requirement_m_s - float(ndtri(settings.requirement_fraction)) * scatter

@@ -21,7 +21,10 @@ HEADER = ("shot", "velocity_m_s", "result")
 
 @contextmanager
 def locked(path: Path | None) -> Iterator[None]:
-    """Keep other commands from changing a file, if any is given, by a lock file beside it: it is replaced itself."""
+    """Make a context in which no other command changes a file; without a file, it does nothing.
+
+    The lock is on a file beside it, as the file itself is replaced.
+    """
     if path is None:
         yield
         return
@@ -51,7 +54,7 @@ def with_shot(
     """
     content = content_of(path)
     content = f"{','.join((*HEADER, *[TARGET] * bool(target)))}\n".encode() if content is None else content
-    source = _csv_source(path, content)
+    source = _open_csv(path, content)
     columns, shots = columns_of(source.header, (*HEADER, TARGET)), [cells for _, cells in source.lines]
     row = [""] * len(columns)
     for place, column in enumerate(columns):
@@ -62,13 +65,13 @@ def with_shot(
             row[place] = filled.pop() if len(filled := {*filter(None, cells)}) == 1 else ""
             row[place] = row[place] or (target if column.key == TARGET else "")
         elif column.known and column.key == "result":
-            row[place] = _spelt(bool(perforates(word)), word, cells, column)
+            row[place] = _result_text(bool(perforates(word)), word, cells, column)
         elif column.known and column.counts:
-            row[place] = _spelt(True, "no" if column.yes is False else "yes", cells, column)
+            row[place] = _result_text(True, "no" if column.yes is False else "yes", cells, column)
         elif column.known and column.key == "velocity_m_s":
             usual = "," if source.separator == ";" else "."
             mark = decimal_mark(cells, column, source.separator) if {",", "."} & {*"".join(cells)} else usual
-            row[place] = _number(velocity_m_s, column.factor).replace(".", mark or ".")
+            row[place] = _velocity_text(velocity_m_s, column.factor).replace(".", mark or ".")
     for name, value in (where or {}).items():
         for place in places_of(source, columns, name):
             row[place] = value
@@ -81,9 +84,12 @@ def with_shot(
 
 
 def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Collection[str] = ()) -> tuple[bytes, str]:
-    """Return the content of a file of shots without the last one that counts and `where` chooses, and its line."""
+    """Return the content of a file of shots without the last shot, and the line of this shot, with its number.
+
+    It is the last one that counts and has the cells `where`, by column; columns to `ignore` do not divide the shots.
+    """
     content = content_of(path) or b""
-    source = _csv_source(path, content)
+    source = _open_csv(path, content)
     rows = read_rows(source, SHOTS, where, 0, ignore, closed=False).rows if source.header else []
     source.refuse()
     if not rows:
@@ -96,25 +102,26 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
     return "".join(lines).encode(encoding, errors), f"{rows[-1].place}, {taken.strip()}"
 
 
-def _csv_source(path: Path, content: bytes) -> Source:
-    """Open a file of shots that is to be changed; refuse any other than CSV."""
+def _open_csv(path: Path, content: bytes) -> Source:
+    """Open a file of shots with this content, which is to be changed; raise an InputError if it is not CSV."""
     source = open_table(path, is_of_shots, content=content)
     if not source.separator:
         raise mistake(path, "", "must be a CSV file for a shot to be added or taken back")
     return source
 
 
-def _number(velocity_m_s: float, factor: float) -> str:
-    """Return a velocity as text in the unit of a column, `factor` m/s: exact in m/s, else with nine digits."""
+def _velocity_text(velocity_m_s: float, factor: float) -> str:
+    """Return a velocity as the text of a cell whose unit is `factor` m/s: exact in m/s, else with nine digits."""
     value = velocity_m_s / factor
     return f"{value:.9g}" if factor != 1.0 else f"{value:g}" if float(f"{value:g}") == value else repr(value)
 
 
-def _spelt(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
-    """Return the text by which a column says yes or no: that a shot perforated, or that it counts.
+def _result_text(says: bool, word: str, cells: Sequence[str], column: Column) -> str:
+    """Return the cell of a new row in a column of results, or of which shots count, in words as the column has them.
 
-    It is the last of the cells that mean `says`.  Without one, it is the counterpart of the last word in the column or
-    else `word`, capitalised like the last word.
+    The cell means `says`: whether the shot perforated, or counts.  It is the last of the earlier `cells` that mean the
+    same.  Without one, it is the counterpart of the last word in the column or else `word`, capitalised like the last
+    word.
     """
     meant = column.words(cells)
     if same := [cell for cell, text in zip(cells, meant, strict=True) if column.says(text) == says]:

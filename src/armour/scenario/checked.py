@@ -40,6 +40,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @cache
     def model() -> type[Section]:
+        """Return a class with a key for each annotated argument, which validates the arguments."""
         # Made at the first call, as this takes longer than an import should.
         hints = get_type_hints(function, include_extras=True)
         kinds: dict[str, Any] = {name: (_kind(hints[name]), ...) for name in parameters.parameters if name in hints}
@@ -47,6 +48,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        """Call the function with its arguments checked, and converted as their types require."""
         bound = None
         with suppress(TypeError):
             bound = parameters.bind(*args, **kwargs)
@@ -78,7 +80,10 @@ def usual_errors() -> Iterator[None]:
 
 
 def _kind(hint: Any) -> Any:
-    """Return the annotation that pydantic checks: `hint` or, for other classes, that a value is an instance."""
+    """Return the annotation by which pydantic checks an argument with this type hint.
+
+    It is the hint itself for numbers, words and tuples; for classes, that the argument is an instance of one of them.
+    """
     members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     kinds = [get_origin(member) or member for member in members]
     if not all(isinstance(kind, type) for kind in kinds) or {int, float, bool, Annotated} & {*kinds}:
@@ -87,7 +92,7 @@ def _kind(hint: Any) -> Any:
 
 
 def instance(value: object, *kinds: type[Kind]) -> Kind:
-    """Return a value if it is an instance of one of the classes; otherwise raise a ValueError."""
+    """Return a value if it is an instance of one of the classes `kinds`; otherwise raise a ValueError."""
     if isinstance(value, kinds):
         return value
     # A path may be given as a text.
@@ -103,7 +108,10 @@ def _in_words(value: object) -> str:
 
 
 def several(argument: object, is_right: Callable[[Any], bool], must: str) -> list[Any]:
-    """Return the items of a sequence, an array or a column, all right; a ValueError says what they `must` be."""
+    """Return the items of a sequence, an array or a column if `is_right` holds for each; otherwise raise a ValueError.
+
+    Its message begins with `must`, which says what the argument must be, as in "must be a sequence of names".
+    """
     try:
         listed = items(argument)
     except TypeError:
@@ -125,7 +133,7 @@ def is_number(item: object) -> bool:
 
 
 def _names(argument: object) -> tuple[str, ...]:
-    """Return a name, or several different names, as a tuple; raise a ValueError for anything else."""
+    """Return an argument that is a name, or several different names, as a tuple; else raise a ValueError."""
     must = "must be a name or a sequence of names"
     listed = [argument] if isinstance(argument, str) else several(argument, is_name, must)
     for name, count in Counter(listed).items():
@@ -135,10 +143,11 @@ def _names(argument: object) -> tuple[str, ...]:
 
 
 def _array(argument: Any) -> Any:
-    """Return a number, or an array of numbers, as an array of floats; raise a ValueError for anything else."""
+    """Return an argument that is a number, or an array of numbers, as an array of floats; else raise a ValueError."""
     import numpy as np  # slow to import
 
     def nested(value: Any) -> Any:
+        """Return numbers as floats, and anything with items as nested lists of them."""
         value = plain(value)
         is_one = isinstance(value, int | float) and not isinstance(value, bool)
         return float(value) if is_one else list(map(nested, items(value)))

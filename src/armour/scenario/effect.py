@@ -1,6 +1,7 @@
 """Check that keys which are changed, or which vary from row to row, affect a computation.
 
-A computation depends on the model, the solver, and the sections and keys that are called its `reads`.
+A computation depends on the model, the solver, and the sections and keys of the scenario that are called its `reads`,
+such as "impact" or "design.scatter_percent".
 """
 
 from collections.abc import Collection, Iterable, Sequence
@@ -22,9 +23,10 @@ def check_effect(
     computed: str = "the answer",
     option: str = "",
 ) -> None:
-    """Check that each key affects a computation on at least one of several scenarios, each given with its `reads`.
+    """Raise an InputError unless each key affects a computation on at least one of several scenarios.
 
-    A key of the library must belong to an entry that a scenario uses.  In messages, `computed` names the result, and
+    Each of `scenarios` is given with the `reads` of the computation on it; `file` is that of the keys, for messages.  A
+    key of the library must belong to an entry that a scenario uses.  In messages, `computed` names the result, and
     `option` precedes a key.
     """
     entries = {entry for scenario, _ in scenarios for entry in _entries_of(scenario)}
@@ -42,7 +44,7 @@ def check_effect(
 
 
 def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str], file: str, computed: str) -> None:
-    """Check that keys that vary from row to row set inputs of the scenario, and no two of them the same input.
+    """Raise an InputError unless keys that vary from row to row set inputs of the scenario, each another one.
 
     `reads` and `computed` are as in `check_effect`.
     """
@@ -63,7 +65,10 @@ def check_columns(scenario: Scenario, keys: Sequence[str], reads: Collection[str
 
 
 def _input_set_by(scenario: Scenario, parts: Parts, reads: Collection[str]) -> str:
-    """Return the input that changes with a value of the section [library], or a scatter's own key; "" if none does."""
+    """Return the name of the input that changes with a number of a library entry; "" if no input does.
+
+    `parts` are those of the number's key; a scatter of shots, which is no input, gives its own key if it is read.
+    """
     _, kind, name, key = parts[:4]
     if key == SCATTER_KEYS[0]:
         return key_name(parts) if f"design.{key}" in reads else ""
@@ -95,7 +100,7 @@ def _read_of(scenario: Scenario, reads: Collection[str]) -> set[str]:
 
 
 def _entries_of(scenario: Scenario) -> set[tuple[str, str]]:
-    """Return kind and name of the entries that a scenario names, and of those that its own entries are based on."""
+    """Return kind and name of each library entry that a scenario uses: those it names, and those they are based on."""
     entries: set[tuple[str, str]] = set()
     for kind, named in scenario.named_entries():
         own_entries, name = getattr(scenario.library, kind), named

@@ -87,20 +87,21 @@ INPUTS = {definition.name: definition for definition in _INPUTS}
 
 
 def length_mm(diameter_mm: Any, mass_g: Any, density_kg_m3: Any) -> Any:
-    """Compute the length of a cylinder from diameter, mass and density, mm; float or array."""
+    """Compute the length of a cylindrical penetrator, mm, from diameter, mass and density; floats or arrays, (n,)."""
     area = pi * (diameter_mm * MM) ** 2 / 4.0
     return mass_g * G / (density_kg_m3 * area) / MM
 
 
 def cosine_of(obliquity_deg: float) -> float:
-    """Return the cosine of an obliquity: the thickness of a layer over its thickness along the line of fire."""
+    """Return the cosine of an obliquity in degrees: a layer's thickness over its thickness along the line of fire."""
     return cos(radians(obliquity_deg))
 
 
 def fields_of(inputs: Mapping[str, Any], cosine: Any) -> dict[str, Any]:
-    """Return the parameters of the core that inputs set, by field, SI units; thicknesses along the line of fire.
+    """Return the parameters of the core that inputs set, by field of `Parameters`, in SI units.
 
-    `inputs` has values by name; these, and the cosine of the obliquity, are numbers or arrays.
+    `inputs` has values by name, in the units of the names; these, and the cosine of the obliquity, are numbers or
+    arrays, (n,).  Thicknesses become those along the line of fire.
     """
     fields = {
         INPUTS[name].field: (value / cosine if name in LAYERS else value) * INPUTS[name].factor

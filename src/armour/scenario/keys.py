@@ -1,4 +1,4 @@
-"""Keys and values of TOML files: spelling, parts, descriptions and lines in a file; changes of a scenario by key."""
+"""Keys and values of TOML files: how keys are written, where they are in a file, and changes of a scenario by key."""
 
 import json
 import re
@@ -40,7 +40,8 @@ def plain_name(name: str) -> str:
 def with_plain_keys(value: Any, file: str, parts: KeyPath = ()) -> Any:
     """Return a copy of a value as Python's own, with the keys of its tables as `plain_name` has them.
 
-    A section becomes a `Whole` table of the values that it was given, which are thus validated again.
+    A section becomes a `Whole` table of the values that it was given, which are thus validated again.  An InputError
+    names the `file`, and a key that is given twice after `parts`, those of the key of the value.
     """
     if hasattr(value, "model_dump"):  # a section, of pydantic, which is slow to import
         value = Whole(value.model_dump(exclude_unset=True, warnings=False))
@@ -59,7 +60,7 @@ def with_plain_keys(value: Any, file: str, parts: KeyPath = ()) -> Any:
 
 
 def without_none(value: Any) -> Any:
-    """Return a value without the keys of its tables that are None, which TOML cannot write: they have their default."""
+    """Return a value without the keys of its tables that are None, which TOML cannot write: None means the default."""
     if isinstance(value, list):
         return [without_none(inner) for inner in value]
     if not isinstance(value, dict):
@@ -68,7 +69,7 @@ def without_none(value: Any) -> Any:
 
 
 def key_name(parts: Sequence[str | int]) -> str:
-    """Return a dotted key as written in TOML, from keys and indices of lists, which are in brackets."""
+    """Return a dotted key as TOML has it, from its parts: keys, quoted if needed, and indices of lists in brackets."""
     name = ""
     for part in parts:
         if isinstance(part, int):
@@ -80,7 +81,7 @@ def key_name(parts: Sequence[str | int]) -> str:
 
 
 def parts_of(key: str) -> Parts:
-    """Return the parts of a dotted key as TOML reads it; raise a ValueError if it is not one."""
+    """Return the parts of a dotted key as TOML reads it; raise a ValueError if the text is not a key."""
     parts: Parts = ()
     if not isinstance(key, str) or len(key) > MAX_KEY:
         raise ValueError(key)
@@ -100,7 +101,7 @@ def parts_of(key: str) -> Parts:
 
 
 def canonical(keys: Iterable[str], file: str) -> list[str]:
-    """Return keys in one spelling; they must be keys as TOML writes them, and differ from each other."""
+    """Return dotted keys as `key_name` writes them; an InputError lists those that are no keys or repeated."""
     names: list[str] = []
     problems = []
     for key in keys:
@@ -117,7 +118,10 @@ def canonical(keys: Iterable[str], file: str) -> list[str]:
 
 
 def leaves(value: object, parts: Parts = ()) -> Iterator[tuple[Parts, object]]:
-    """Yield each innermost value of nested tables, with the parts of its key; an empty table is a value."""
+    """Yield each innermost value of nested tables, after the parts of its key; an empty table is a value.
+
+    `parts` are those of the key of `value`.
+    """
     if isinstance(value, Mapping) and value:
         for name, inner in value.items():
             yield from leaves(inner, (*parts, name))
@@ -131,7 +135,7 @@ def values_by_key(changes: Mapping[str, object]) -> dict[Parts, object]:
 
 
 def not_a_key(file: str, key: str) -> Problem:
-    """Return the problem of a text that is not a key."""
+    """Return the problem of a text in a file that should be a key and is none."""
     example = 'armour.ceramic_thickness_mm or library.projectile."7.62 mm AP"'
     message = f"must be a key of the scenario as TOML writes it, such as {example}, found {describe(key)}"
     return Problem(file, "", message)
@@ -160,8 +164,8 @@ def lines_of(text: str) -> dict[str, int]:
     for line, statement, data in _statements(text):
         is_header = statement.lstrip().startswith("[")
         if is_header:
-            table = _header(data, counts)
-        for key in [table] if is_header else _keys(data, table):
+            table = _key_of_header(data, counts)
+        for key in [table] if is_header else _keys_within(data, table):
             lines.setdefault(key_name(key), line)
     return lines
 
@@ -184,7 +188,10 @@ def _statements(text: str) -> Iterator[tuple[int, str, dict[str, Any]]]:
 
 
 def line_of(key: str, lines: Mapping[str, int]) -> int | None:
-    """Return the line of a key or, if it is not in the file, of the innermost table that would hold it, else None."""
+    """Return the line of a key, or else that of the innermost table that would hold it; None if none of them is there.
+
+    `lines` are those of `lines_of`.
+    """
     return next((lines[part] for part in upwards(key) if part in lines), None)
 
 
@@ -204,8 +211,11 @@ def is_read(key: Parts, reads: Collection[str]) -> bool:
     return not {*ALWAYS, *reads}.isdisjoint(upwards(name)) or any(read.startswith(f"{name}.") for read in reads)
 
 
-def _header(data: Any, counts: dict[str, int]) -> KeyPath:
-    """Return the key of the table that a header opens; for an array of tables, of its next element."""
+def _key_of_header(data: Any, counts: dict[str, int]) -> KeyPath:
+    """Return the key of the table that a header opens; in an array of tables, that of the next element.
+
+    `data` are the content of the header alone; `counts`, which is updated, has the number of elements so far by array.
+    """
     parts: KeyPath = ()
     while data:
         [(name, data)] = data.items()
@@ -218,17 +228,17 @@ def _header(data: Any, counts: dict[str, int]) -> KeyPath:
     return parts
 
 
-def _keys(value: Any, parts: KeyPath) -> Iterator[KeyPath]:
-    """Yield the key of a value and the keys within it."""
+def _keys_within(value: Any, parts: KeyPath) -> Iterator[KeyPath]:
+    """Yield the key of a value, `parts`, and the keys of all that is within it."""
     if parts:
         yield parts
     children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, child in children:
-        yield from _keys(child, (*parts, name))
+        yield from _keys_within(child, (*parts, name))
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = "scenario") -> dict[str, Any]:
-    """Return the data of a scenario with other values by dotted key; a table is merged into an existing one.
+    """Return the data of a scenario with `changes`, values by dotted key; a table is merged into an existing one.
 
     A table that is `Whole` replaces it, whichever comes first of its key and of keys below.  A key that goes below a
     value is refused.
@@ -249,9 +259,10 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, object], file: str = 
 
 
 def _merged(present: Any, value: object, file: str, key: Parts, place: int = 0) -> Any:
-    """Return a value in place of the present one: a table merged into a table; `place` counts the parts of `key` above.
+    """Return what replaces the `present` value: `value` or, for a table, the present table with it merged in.
 
-    The data may be shared, and are not changed.
+    `key` is the changed key, `place` the number of its parts that lead to the value; an InputError names it if it goes
+    below something else than a table.  The present data may be shared, and are not changed.
     """
     if not isinstance(value, Mapping):
         return value

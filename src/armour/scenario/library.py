@@ -144,6 +144,7 @@ class OwnTests(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> "OwnTests":
+        """Refuse tests that do not determine the model error as they should: of unequal lengths or impossible."""
         if not self.law:
             return self
         optional = filter(None, (self.names, self.calibrated_m_s))
@@ -158,7 +159,7 @@ class OwnTests(Section):
         return self
 
     def shows_scatter(self) -> bool:
-        """Return whether shots at one of the armours are enough to show their scatter, and have both results."""
+        """Return whether the tests show the scatter of shots: enough shots at one of the armours, with both results."""
         columns = (self.tests.get(key, ()) for key in (*VARIED, *IN_COMMON, "side"))
         results = Counter[tuple[float, ...]](zip(*columns, strict=False))
         return any(
@@ -214,26 +215,26 @@ SCATTER_KEYS = ("scatter_percent", "scatter_source")
 
 
 def least_scatter(percent: float) -> str:
-    """Return the message that a scatter of shots is too small to be taken without own firings."""
+    """Return the message that a scatter of shots, per cent of V50, is too small to be taken without own firings."""
     return (
         f"must be at least {LEAST_SCATTER_PERCENT:g}, or be given in an entry of the library with an own firing of "
         f"{LEAST_SHOTS} shots or more with both results, found {percent:g}"
     )
 
 
-def _of_no_firing(percent: float) -> float:
-    """Refuse a scatter of shots that needs own firings."""
+def _enough_without_firings(percent: float) -> float:
+    """Return a scatter of shots, per cent of V50, unless it is so small that it needs own firings."""
     if percent < LEAST_SCATTER_PERCENT:
         raise ValueError(least_scatter(percent))
     return percent
 
 
 # A scatter that is given without own firings.
-AssumedScatter = Annotated[ScatterPercent, AfterValidator(_of_no_firing)]
+AssumedScatter = Annotated[ScatterPercent, AfterValidator(_enough_without_firings)]
 
 
 def check_scatter(percent: float | None, source: str) -> None:
-    """Refuse a scatter of shots without its source, and a source without it."""
+    """Raise a ValueError for a scatter of shots, per cent of V50, without its source, or a source without a scatter."""
     if (percent is None) != (not source):
         raise ValueError(f"must have {' and '.join(SCATTER_KEYS)}, or neither")
 
@@ -248,7 +249,8 @@ class Layer(Entry):
     """Source of this scatter."""
 
     @model_validator(mode="after")
-    def _of_a_source(self) -> "Layer":
+    def _has_source_of_scatter(self) -> "Layer":
+        """Refuse a scatter of shots without its source."""
         check_scatter(self.scatter_percent, self.scatter_source)
         return self
 
@@ -277,6 +279,7 @@ class Ceramic(Layer):
     @field_validator("flow_stress_sources_GPa")
     @classmethod
     def _in_order(cls, sources: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the flow stresses, GPa, if they rise."""
         if list(sources) != sorted(sources):
             raise ValueError(f"must be the least flow stress and the greatest one, found {list(sources)}")
         return sources
@@ -394,7 +397,7 @@ class LibraryEntry:
     scatter_source: str = ""
 
     def __getitem__(self, key: str) -> float:
-        """Return the number of a key."""
+        """Return the number that a key has, in the unit at its end."""
         return self.values[key].value
 
     @property
@@ -404,14 +407,14 @@ class LibraryEntry:
 
     @property
     def sources(self) -> int:
-        """Number of sources of the flow stress: those listed if it lies between them, else its own, or none."""
+        """Number of sources of the flow stress: those listed if it lies between them, else 1, or 0 if it has none."""
         if FLOW_STRESS_KEY in self.unsourced:
             return 0
         listed_GPa = self.flow_stress_sources_GPa
         return len(listed_GPa) if listed_GPa and listed_GPa[0] <= self[FLOW_STRESS_KEY] <= listed_GPa[-1] else 1
 
     def inputs_as(self, role: str) -> dict[str, float]:
-        """Return the values of the inputs that the entry gives in a role, by name."""
+        """Return the values of the inputs that the entry gives in a role, such as "ceramic", by name of input."""
         return {
             name: self[key]
             for key in self.values
@@ -440,7 +443,7 @@ class LibraryEntry:
 
 
 def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> str:
-    """Return a hint for a name that is not in the library: similar entries, or the closest one of `names`.
+    """Return the end of a message on a name that is not in the library: similar `entries`, or the closest of `names`.
 
     First come the entries whose names contain the name; if there are none, its first part, as with "5083-H32"; and then
     those whose descriptions contain it, as with "alumina".
@@ -451,6 +454,7 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
     texts = {entry.name: ("\n".join((entry.name, *entry.aliases)), entry.description) for entry in entries}
 
     def alike(part: str, place: int) -> list[str]:
+        """Return the entries that have a part of the name in their names (place 0) or descriptions (1)."""
         return [each for each in texts if part and part.casefold() in texts[each][place].casefold()]
 
     named = alike(name, 0)
@@ -463,9 +467,9 @@ def hint(name: str, entries: Iterable[LibraryEntry], names: Iterable[str]) -> st
 
 
 def strength_notes(metals: Iterable[LibraryEntry], *, bare: bool) -> tuple[Note, ...]:
-    """Return a warning if the yield strength of metals is of another kind than in the tests.
+    """Return a warning if the yield strength of metals is of another kind than in the tests; () if it is not.
 
-    The tests have static strengths for bare plates, and dynamic ones for armour with a ceramic.
+    The tests have static strengths for bare plates, which `bare` tells, and dynamic ones for armour with a ceramic.
     """
     names = list(dict.fromkeys(metal.name for metal in metals if metal.is_static != bare and metal.evidence is None))
     if not names:
@@ -486,13 +490,16 @@ def tensile_strength(metal: LibraryEntry) -> float:
 
 
 def is_slender(inputs: Mapping[str, Any]) -> Any:
-    """Return whether the length of a penetrator over its diameter lies within SLENDERNESS; float or array."""
+    """Return whether the length of a penetrator over its diameter lies within SLENDERNESS, for floats or arrays, (n,).
+
+    `inputs` has the values of ROD by name.
+    """
     ratio = slenderness(inputs)
     return (SLENDERNESS[0] <= ratio) & (ratio <= SLENDERNESS[1])
 
 
 def slenderness(inputs: Mapping[str, Any]) -> Any:
-    """Return the length of a penetrator over its diameter; float or array."""
+    """Return the length of a penetrator over its diameter, a float or array; `inputs` has the values of ROD by name."""
     return length_mm(*(inputs[name] for name in ROD)) / inputs[ROD[0]]
 
 
@@ -548,6 +555,7 @@ class Library:
             data = with_plain_keys(tables, file)
 
             def read(rest: Mapping[str, Any]) -> Library:
+                """Return the library with the entries in plain data."""
                 return self.extended(LibraryTables.model_validate(rest), file, prefix)
 
             try:
@@ -578,7 +586,11 @@ class Library:
 def _ambiguous(
     added: Mapping[str, Entry], entries: Mapping[str, LibraryEntry], file: str, table: tuple[str, ...]
 ) -> Iterator[Problem]:
-    """Yield a problem for each alias in a table of a file that is a name of another entry, or an alias of two."""
+    """Yield a problem for each alias among added entries that is a name of another entry, or an alias of two.
+
+    `entries` are those of the library with the added ones, by name; `table` has the parts of the key of their table in
+    the file.
+    """
     owners: dict[str, str] = {}
     for name, entry in added.items():
         for alias in entry.aliases:
@@ -625,7 +637,7 @@ def _resolved(
 
 
 def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, file: str) -> LibraryEntry:
-    """Return an entry with the values of its base and derived ones, in the order of the keys of its kind."""
+    """Return an entry with the values of its `base`, if it has one, and derived ones, in the order of the keys."""
     base = base or LibraryEntry(kind, name, description="", values={}, origin=name)
     values = {key: value for key, value in base.values.items() if key not in base.derived}
     unsourced = {*base.unsourced}
@@ -660,11 +672,11 @@ def _completed(kind: Kind, name: str, entry: Entry, base: LibraryEntry | None, f
 
 
 def _mistakes(entry: LibraryEntry) -> dict[str, str]:
-    """Return the mistakes of an entry, by key: values that it lacks, or a penetrator that is too short or too long."""
+    """Return what is wrong with an entry, by key: values that it lacks, or a scatter or length that cannot be right."""
     if missing := [key for key in VALUE_KEYS[entry.kind] if key not in (*entry.values, *OPTIONAL)]:
         return dict.fromkeys(missing, "is missing and must be given, or based_on an entry that has it")
-    is_shown = entry.evidence is not None and entry.evidence.shows_scatter()
-    if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not is_shown:
+    has_firings = entry.evidence is not None and entry.evidence.shows_scatter()
+    if entry.scatter_percent is not None and entry.scatter_percent < LEAST_SCATTER_PERCENT and not has_firings:
         return {SCATTER_KEYS[0]: least_scatter(entry.scatter_percent)}
     if entry.kind != "projectile" or is_slender(rod := entry.inputs_as("projectile")):
         return {}
@@ -767,6 +779,6 @@ def search_library(words: Sequence[str]) -> list[tuple[Any, str, Any]]:
 
 
 def _has_word(text: str, word: str) -> bool:
-    """Return whether a text contains a word, whose numbers must be whole ones: "4" is no part of "4569"."""
+    """Return whether a text contains a word; its numbers must be complete there: "4" is no part of "4569"."""
     before, after = r"(?<!\d)(?<!\d\.)" * word[0].isdigit(), r"(?!\.?\d)" * word[-1].isdigit()
     return re.search(f"{before}{re.escape(word)}{after}", text) is not None

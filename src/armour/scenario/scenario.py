@@ -94,7 +94,7 @@ class Scenario(Section):
     _source: _Source = PrivateAttr(default_factory=lambda: _Source({}, "", Path()))
 
     def model_post_init(self, context: Any) -> None:
-        """Refuse a scenario that is made of sections, without its library."""
+        """Raise an InputError for a scenario that is made from sections directly, and so has no library."""
         if context is None:
             raise mistake("Scenario", "", "must be made by load_scenario or parse_scenario")
 
@@ -102,8 +102,8 @@ class Scenario(Section):
         """Return a copy, with the sections in `update` in place of its own; it is validated as by `replaced`."""
         if update is None:
             return super().model_copy(deep=deep)
-        whole = {key: keys.Whole(value) if isinstance(value, Mapping) else value for key, value in update.items()}
-        return self.replaced(whole)
+        sections = {key: keys.Whole(value) if isinstance(value, Mapping) else value for key, value in update.items()}
+        return self.replaced(sections)
 
     def copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":  # type: ignore[override]
         """Return a copy as `model_copy` does, which has replaced this method in pydantic."""
@@ -142,7 +142,7 @@ class Scenario(Section):
         return None if name is None else self.entry(ROLES[role], name)
 
     def inputs(self) -> dict[str, float]:
-        """Return the values of the inputs that the scenario has, by name.
+        """Return the values of the inputs that the scenario has, by name, in the units of the names.
 
         A bare plate has no inputs of the ceramic.  The coefficients of a law of its flow stress are inputs only if its
         entry has them, and the yield strength only if other properties of the metal are derived from it.
@@ -151,6 +151,7 @@ class Scenario(Section):
 
     @cached_property
     def _inputs(self) -> dict[str, float]:
+        """Values of `inputs`, computed once."""
         values: dict[str, float] = {
             name: getattr(getattr(self, definition.section), definition.key)
             for name, definition in INPUTS.items()
@@ -194,11 +195,12 @@ class Scenario(Section):
 
     @cached_property
     def _parameters(self) -> Parameters:
+        """Parameters of `core_armour`, computed once."""
         fields: dict[str, Any] = dict.fromkeys(Parameters._fields, 0.0) | fields_of(self._inputs, self.impact.cosine)
         return Parameters(**(fields | self.model.laws()))
 
     def inert(self, key: str) -> float:
-        """Return the sum of a quantity of the layers without ballistic effect, such as "thickness_mm"."""
+        """Return the sum of a quantity over the layers without ballistic effect, by its key, such as "thickness_mm"."""
         return sum((getattr(layer, key) for layer in self.armour.layer), 0.0)
 
     def cross_section(self) -> list[tuple[str, str, float]]:
@@ -214,7 +216,7 @@ class Scenario(Section):
 
     @property
     def interlayers(self) -> int:
-        """Number of layers between tile and back plate: no shipped test has one."""
+        """Number of layers without ballistic effect between tile and back plate, of which no shipped test has one."""
         return sum(layer.place == "between" for layer in self.armour.layer)
 
     @property
@@ -223,13 +225,13 @@ class Scenario(Section):
         return self.design is None or self.design.existing is None
 
     def areal_density_kg_m2(self, *, whole: bool = False) -> float:
-        """Return the areal density of the armour, kg/m²; a back plate that exists already counts only if `whole`."""
+        """Return the areal density of the armour, kg/m²; of the `whole` one, with a back plate that exists already."""
         parameters, counts = self.core_armour(), whole or self.counts_backing
         ceramic, backing = self.armour.ceramic_thickness_mm * MM, self.armour.backing_thickness_mm * MM
         return parameters.rho_c * ceramic + parameters.rho_B * backing * counts + self.inert("areal_density_kg_m2")
 
     def thickness_mm(self, *, whole: bool = False) -> float:
-        """Return the thickness of the armour, mm; a back plate that exists already counts only if `whole`."""
+        """Return the thickness of the armour, mm; of the `whole` one, with a back plate that exists already."""
         backing = self.armour.backing_thickness_mm * (whole or self.counts_backing)
         return self.armour.ceramic_thickness_mm + backing + self.inert("thickness_mm")
 
@@ -294,7 +296,7 @@ class Scenario(Section):
         return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
     def basis(self) -> dict[str, str]:
-        """Return a hash of each part beside armour and threats that decides how far an answer is trusted, by its key.
+        """Return hashes of what decides how far an answer is trusted, besides armour and threats, by key.
 
         These are settings of the model and its error, and own entries of the library, with their own tests.
         """
@@ -358,9 +360,10 @@ class Scenario(Section):
         return tomli_w.dumps(data)
 
     def check_rows(self, columns: Mapping[str, "NDArray[np.float64]"], place: Place = in_row) -> None:
-        """Check that the scenario allows every row of values of inputs, (n,) each.
+        """Raise an InputError unless the scenario allows every row of other values of inputs.
 
-        `place` names the row in a problem that `with_inputs` finds, given the index of the row.
+        `columns` has the values by name of input, (n,) each, for n rows.  `place` names the row in a problem, given the
+        index of the row.
         """
         first_problems: dict[str, Problem] = {}
         for _, row, problems in sorted(self.wrong_rows(columns), key=operator.itemgetter(1)):
@@ -378,7 +381,7 @@ class Scenario(Section):
         import numpy as np
 
         self.check_names(columns, self.file)
-        conditions = [(name, _allowed(name, values)) for name, values in columns.items()]
+        conditions = [(name, _within_bounds(name, values)) for name, values in columns.items()]
         if VELOCITY in columns:
             conditions.append((VELOCITY, columns[VELOCITY] > self.solver.arrest_velocity_m_s))
         if changed_rod := [name for name in ROD if name in columns]:
@@ -553,7 +556,7 @@ def parse_scenario(data: Mapping[str, Any], *, file: str = "scenario", folder: s
 
 
 def _parsed(source: _Source) -> Scenario:
-    """Make a scenario from its source."""
+    """Make a scenario from its source; an InputError lists every mistake."""
     library, names, problems = _library_of(source)
     try:
         scenario = Scenario.model_validate(source.data, context={"names": names, "library": library})
@@ -579,8 +582,9 @@ def _parsed(source: _Source) -> Scenario:
 def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file: str, folder: Path) -> Scenario:
     """Make a scenario from plain data with other values by dotted key or input, one mapping after the other.
 
-    Inputs are set last, so that they take precedence over keys of the library.  Changed numbers of the section
-    ``library`` lose the source of the earlier number.
+    `file` is its name in messages; paths of library files are relative to `folder`.  Inputs are set last, so that they
+    take precedence over keys of the library.  Changed numbers of the section ``library`` lose the source of the earlier
+    number.
     """
     data, inputs = keys.with_plain_keys(data, file), dict[str, Any]()
     for group in (keys.with_plain_keys(group, file) for group in changes if group):
@@ -597,7 +601,10 @@ def parse_changed(data: Mapping[str, Any], *changes: Mapping[str, object], file:
 
 
 def _with_new_threat(data: dict[str, Any], values: Mapping[keys.Parts, object]) -> dict[str, Any]:
-    """Return data without the impact's values of an earlier threat, if the changed `values` name another threat."""
+    """Return the data of a scenario without its impact's THREAT_KEYS if the changed `values` name another threat.
+
+    The threat then gives them; those that `values` set stay.
+    """
     if values.get(("impact", "threat")) is None:
         return data
     earlier = [key for key in THREAT_KEYS if ("impact", key) not in values]
@@ -605,7 +612,10 @@ def _with_new_threat(data: dict[str, Any], values: Mapping[keys.Parts, object]) 
 
 
 def _without_sources(values: Mapping[keys.Parts, object]) -> dict[str, object]:
-    """Return, by key, each number of a library entry that changes alone, without the source of the earlier number."""
+    """Return, by key, the changed numbers of library entries as tables without the source of the earlier number.
+
+    `values` has the changed values by the parts of their keys; numbers that change with their source are not returned.
+    """
     return {
         keys.key_name(key[:4]): keys.Whole({NUMBER: value})
         for key, value in values.items()
@@ -620,9 +630,10 @@ def _names_a_role(key: str) -> bool:
 
 
 def _bases(data: Mapping[str, Any], source: _Source, changed: Iterable[str]) -> dict[str, object]:
-    """Return the bases, by key, of entries that the source does not have and of which `changed` sets single values.
+    """Return, by key, the entries of the library on which new entries are based, of which `changed` sets single values.
 
-    Such an entry is based on the entry of its name in the library, unless the data name another base.
+    New entries are those that the source lacks.  Such an entry is based on the one of its name in the library, unless
+    the data name another base.
     """
     bases: dict[str, object] = {}
     for section, *entry in map(keys.parts_of, changed):
@@ -636,8 +647,8 @@ def _bases(data: Mapping[str, Any], source: _Source, changed: Iterable[str]) -> 
     return bases
 
 
-def _allowed(name: str, values: Any) -> Any:
-    """Return whether each value of an input, (n,), lies within the bounds that its section states; a NaN does not."""
+def _within_bounds(name: str, values: Any) -> Any:
+    """Return whether each value of an input, (n,), lies within the bounds of its key; a NaN does not."""
     kind, section, key = INPUTS[name].kind, INPUTS[name].section, INPUTS[name].key
     model: Any = KINDS[kind] if kind else model_in(Scenario.model_fields[section].annotation)
     field = model.model_fields[key]
@@ -658,13 +669,13 @@ def scenario_schema() -> dict[str, Any]:
 
     It does not cover names of the library, nor conditions on several keys.
     """
-    whole = Scenario.model_json_schema()
+    of_keys = Scenario.model_json_schema()
     about = {"title": "armour scenario", "description": "An impact, an armour and settings of the computations."}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **whole, **about}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **of_keys, **about}
 
 
 def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], list[Problem]]:
-    """Return the scenario's library, the name of each entry by kind and by each of its names, and the problems.
+    """Return a scenario's library, the name of each entry by kind and by each of its names, and the problems found.
 
     The names include those of entries with a mistake.  If a library file has a mistake, no names are returned and none
     are checked, so that each mistake gives one message.
@@ -679,8 +690,8 @@ def _library_of(source: _Source) -> tuple[Library, dict[Kind, dict[str, str]], l
         except InputError as error:
             key = keys.key_name(["library", "files", index])
             for problem in error.problems:
-                whole = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
-                problems.append(problem if problem.key else whole)
+                other = Problem(source.file, key, f'must name a library file, found "{file}", which {problem.message}')
+                problems.append(problem if problem.key else other)
     is_unread, names = bool(problems), dict[Kind, dict[str, str]]()
     if not is_unread:
         names = {kind: library.known(kind) | {name: name for name in _table(tables, kind)} for kind in KINDS}

@@ -39,6 +39,7 @@ def _in_library(kind: Kind) -> AfterValidator:
     """Return a validator of a name, which must be in the library; an alias becomes the name of its entry."""
 
     def check(name: str, info: ValidationInfo) -> str:
+        """Return the name of the entry that a name or an alias means."""
         context: dict[str, Any] = info.context or {"names": {}}
         name = plain_name(name)
         names: dict[str, str] = context["names"].get(kind, {name: name})
@@ -56,6 +57,7 @@ MetalName = Annotated[str, _in_library("metal")]
 
 
 def _printable(text: str) -> str:
+    """Return a text if it is one line of printable characters."""
     if not text.isprintable():
         raise ValueError(f"must be one line of printable text, found {json.dumps(text)}")
     return text
@@ -65,7 +67,7 @@ Line = Annotated[str, AfterValidator(_printable)]
 
 
 def _with_named(schema: dict[str, Any]) -> None:
-    """Let a JSON Schema require the name of a threat, or the values that it gives."""
+    """Change the JSON Schema of a section: it requires the name of a threat, or the values that the threat gives."""
     threat_keys = [key for key in schema["required"] if key in THREAT_KEYS]
     schema["required"] = [key for key in schema["required"] if key not in THREAT_KEYS]
     schema["anyOf"] = [{"required": ["threat"]}, {"required": threat_keys}]
@@ -87,6 +89,7 @@ class Impact(Section, json_schema_extra=_with_named):
     @model_validator(mode="before")
     @classmethod
     def _given_by_the_threat(cls, data: Any) -> Any:
+        """Return the data of the section with the values of the threat that it names, unless it gives others."""
         name = data.get("threat") if isinstance(data, dict) else None
         if not isinstance(name, str):
             return data
@@ -129,7 +132,7 @@ class InertLayer(Section):
 
 
 def _needs_a_ceramic(thickness: float, info: ValidationInfo) -> float:
-    """Refuse a tile of no ceramic."""
+    """Return the thickness of a tile, mm, unless it is above 0 and the armour names no ceramic."""
     if thickness > 0.0 and info.data.get("ceramic", "") is None:
         raise ValueError(f"must be 0 if no ceramic is named, found {thickness:g}; name one as armour.ceramic")
     return thickness
@@ -211,6 +214,7 @@ class ThicknessSteps(Section):
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
+        """Refuse a range of too many values."""
         if self.count() > MAX_VALUES:
             raise ValueError(f"must contain at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
         return self
@@ -240,7 +244,7 @@ class Range(ThicknessSteps):
 
 
 def _above_zero(thickness: Any) -> Any:
-    """Refuse a list or a range of thicknesses whose least value is not above 0."""
+    """Return a list or a range of thicknesses unless its least value is 0."""
     least = min(thickness) if isinstance(thickness, list) else thickness.min
     if least <= 0.0:
         raise ValueError(f"min must be greater than 0, found {least:g}")
@@ -269,6 +273,7 @@ class Threat(Impact):
 
     @model_validator(mode="after")
     def _within_reach(self) -> "Threat":
+        """Refuse a velocity with a margin that no ballistic limit can exceed."""
         if self.required_m_s > FASTEST_M_S:
             must = f"velocity_m_s and margin_m_s must be at most {FASTEST_M_S:g} together"
             raise ValueError(f"{must}, found {self.velocity_m_s:g} and {self.margin_m_s:g}")
@@ -332,11 +337,11 @@ class Layer(Section):
         return bool(self.model_fields_set & {"cost_per_kg", "cost_per_m2"})
 
     def cost(self, density_kg_m3: float, thickness_mm: Any) -> Any:
-        """Return the cost of the layer per m²; 0 if its thickness is 0."""
+        """Return the cost of the layer per m², for a thickness or an array of them, (n,); 0 where it is 0."""
         return self.cost_per_kg * density_kg_m3 * thickness_mm * MM + self.cost_per_m2 * (thickness_mm > 0.0)
 
     def thicknesses(self) -> tuple[float, ...]:
-        """Return the thicknesses, mm."""
+        """Return the thicknesses to choose from, mm, ascending."""
         if isinstance(self.thickness_mm, Range):
             return self.thickness_mm.values()
         return tuple(sorted(set(self.thickness_mm)))
@@ -379,6 +384,7 @@ Criterion = Literal[Objective, "margin_m_s"]
 
 
 def _different(names: list[Criterion]) -> list[Criterion]:
+    """Return the names of criteria if all differ."""
     if len(set(names)) < len(names):
         raise ValueError(f"must not name a criterion twice, found {', '.join(names)}")
     return names
@@ -425,7 +431,8 @@ class DesignSection(Section):
     """Source of this scatter."""
 
     @model_validator(mode="after")
-    def _of_a_source(self) -> "DesignSection":
+    def _has_source_of_scatter(self) -> "DesignSection":
+        """Refuse a scatter of shots without its source."""
         check_scatter(self.scatter_percent, self.scatter_source)
         return self
 
@@ -438,7 +445,7 @@ class DesignSection(Section):
         return data
 
     def bound(self, threat: "Threat") -> float | None:
-        """Return the greatest probability that a threat perforates; None if no probability is required."""
+        """Return the greatest allowed probability that a threat perforates; None if no probability is required."""
         if threat.probability_of_perforation is not None or self.probability_of_stopping is None:
             return threat.probability_of_perforation
         return 1.0 - self.probability_of_stopping
@@ -470,6 +477,7 @@ class Distribution(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> "Distribution":
+        """Refuse a distribution with too few or too many of the values that its kind needs."""
         widths = sum(width is not None for width in (self.standard_deviation, self.standard_deviation_percent))
         if self.distribution == "uniform":
             if self.min is None or self.max is None or widths or self.mean is not None:
@@ -491,7 +499,7 @@ class Distribution(Section):
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
     def moments(self, value: float) -> tuple[float, float]:
-        """Return mean and standard deviation before truncation, given the scenario's value."""
+        """Return mean and standard deviation before truncation, in the input's unit; `value` is the scenario's own."""
         mean, percent = value if self.mean is None else self.mean, self.standard_deviation_percent
         return mean, abs(mean) * percent / 100.0 if percent is not None else self.standard_deviation or 0.0
 
@@ -562,6 +570,7 @@ class ModelSection(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":
+        """Refuse an error without its scale, and one that is given but not included."""
         other_keys = self.model_fields_set - {"included"}
         if not self.included and other_keys:
             raise ValueError(f"must have nothing else if included is false, found {', '.join(sorted(other_keys))}")
@@ -576,7 +585,7 @@ class ModelSection(Section):
 
 
 def _power_of_2(samples: int) -> int:
-    """Refuse a number of samples that is no power of 2."""
+    """Return a number of samples if it is a power of 2."""
     if samples & (samples - 1):
         near = 2 ** samples.bit_length()
         raise ValueError(f"must be a power of 2 for Sobol' points, such as {near}, found {samples}")
@@ -609,7 +618,7 @@ class Uncertainty(Section):
     _error: bool = False
 
     def with_error(self) -> "Uncertainty":
-        """Return the section with the model error as another input: probabilities at which its quantiles are taken."""
+        """Return the section with the model error as another input, sampled as probabilities of its quantiles."""
         section = self.model_copy()
         section._error = True
         return section
@@ -622,6 +631,7 @@ class Uncertainty(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Uncertainty":
+        """Refuse correlations of other inputs than those with a distribution, and those that cannot go together."""
         names = list(self.inputs())
         pairs = [frozenset(correlation.between) for correlation in self.correlation]
         for correlation, pair in zip(self.correlation, pairs, strict=True):

@@ -75,9 +75,10 @@ def _docstrings(section: type) -> dict[str, str]:
 
 
 def above(key: str, *, or_equal: bool = False) -> AfterValidator:
-    """Return a validator of a number, which must be above the number of an earlier key of its table."""
+    """Return a validator of a number that must be above that of an earlier key of its table or, if so given, equal."""
 
     def check(value: float | None, info: ValidationInfo) -> float | None:
+        """Return the number unless it is too small."""
         low = info.data.get(key)
         if value is not None and low is not None and (value < low or (value == low and not or_equal)):
             must = f"must be {'at least' if or_equal else 'above'} {key}"
@@ -88,7 +89,7 @@ def above(key: str, *, or_equal: bool = False) -> AfterValidator:
 
 
 def _not_tiny(value: float) -> float:
-    """Refuse a number that is almost 0."""
+    """Return a number unless it is almost 0; 0 itself is allowed."""
     if 0.0 < abs(value) < TINY:
         raise ValueError(f"must be at least {TINY:g}, found {value:g}")
     return value
@@ -123,16 +124,16 @@ MISSING_HINTS = {"impact": ", even if there is a [[threat]]", "armour.ceramic_th
 
 
 def problems_of(error: ValidationError, model: type[Section], file: str) -> list[Problem]:
-    """Convert pydantic's errors in a file, validated against a model, to problems."""
+    """Convert pydantic's errors in the data of a file, validated by a model, to problems in plain words."""
     problems = []
     for detail in error.errors():
-        parts = _parts(detail)
+        parts = _key_parts(detail)
         context = detail.get("ctx", {})
         if "expected" in context:
             context["expected"] = context["expected"].replace("'", '"')
         if detail["type"] == UNKNOWN_KEY:
             keys = _known_keys(model, parts[:-1])
-            word, paths = str(parts[-1]), [*keys, *(_paths(model) if len(parts) == 1 else ())]
+            word, paths = str(parts[-1]), [*keys, *(_dotted_keys(model) if len(parts) == 1 else ())]
             hint = key_hint(word, paths) or suggestion(word, paths) or choices(word, keys)
             message = f"unknown key{hint}"
         elif detail["type"] == "missing":
@@ -149,8 +150,8 @@ def problems_of(error: ValidationError, model: type[Section], file: str) -> list
     return problems
 
 
-def _parts(detail: Any) -> list[str | int]:
-    """Return the parts of the key of an error, without the tags that pydantic adds for members of unions."""
+def _key_parts(detail: Any) -> list[str | int]:
+    """Return the parts of the key of one of pydantic's errors, without the tags that it adds for members of unions."""
     parts = [part for part in detail["loc"] if part not in TAGS]
     return parts[:-1] if parts[-1:] == [NUMBER] and detail["type"] != UNKNOWN_KEY else parts
 
@@ -158,36 +159,40 @@ def _parts(detail: Any) -> list[str | int]:
 def every_problem(
     error: ValidationError, model: type[Section], data: Any, file: str, read: Callable[[Any], object]
 ) -> list[Problem]:
-    """Return the problems of an error, and further ones that are found in the data without the keys at fault.
+    """Return the problems of pydantic's error, and further ones that are found in the data without the keys at fault.
 
-    `read` validates such data, and raises an error if they are wrong.
+    `model` is the class by which the data of the `file` are validated.  `read` validates such data, and raises an error
+    if they are wrong.
     """
     problems = problems_of(error, model, file)
-    rest, tables = deepcopy(data), set[str]()
+    remaining_data, tables = deepcopy(data), set[str]()
     for detail in error.errors():
-        *above, last = _parts(detail) or [""]
+        *above, last = _key_parts(detail) or [""]
         if detail["type"] != UNKNOWN_KEY:
             tables |= {*upwards(key_name(above))}
         with suppress(KeyError, TypeError):  # the table may have been removed with another mistake
-            table: Any = reduce(getitem, above, rest)
+            table: Any = reduce(getitem, above, remaining_data)
             if isinstance(table, dict):
                 table.pop(last, None)
-    if rest == data:
+    if remaining_data == data:
         return problems
     try:
-        read(rest)
+        read(remaining_data)
         return problems
-    except ValidationError as later:
-        further: Sequence[Problem] = problems_of(later, model, file)
-    except InputError as later:
-        further = later.problems
+    except ValidationError as later_error:
+        further: Sequence[Problem] = problems_of(later_error, model, file)
+    except InputError as later_error:
+        further = later_error.problems
     # A problem in a table from which a wrong value was removed may just come of the removal.
     reported = {problem.key for problem in problems} | tables
     return problems + [problem for problem in further if not {*upwards(problem.key)[:2]} & reported]
 
 
 def _hint(detail: Any) -> str:
-    """Return a hint at the word, the form of list or the probability (not per cent) probably meant; "" if none is."""
+    """Return the end of a message, a hint at what is probably meant by a wrong value; "" if nothing is known.
+
+    It hints at a word, the form of a list or a number, or a probability that is given in per cent.
+    """
     value, context = detail["input"], detail.get("ctx", {})
     if detail["type"] == "float_type":
         return point_hint(value)
@@ -202,21 +207,21 @@ def _hint(detail: Any) -> str:
 
 
 def validated(model: type[SectionT], data: object, file: str) -> SectionT:
-    """Return data as the sections of a model; raise an InputError with every mistake."""
+    """Return data as the sections of a model; raise an InputError with every mistake, which names the `file`."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
         raise InputError(problems_of(error, model, file)) from None
 
 
-def _paths(model: type[Section]) -> list[str]:
-    """Return the keys that a model knows in its sections, such as "armour.backing_thickness_mm"."""
+def _dotted_keys(model: type[Section]) -> list[str]:
+    """Return the keys of all sections of a model, with the section, such as "armour.backing_thickness_mm"."""
     sections = ((name, model_in(field.annotation)) for name, field in model.model_fields.items())
     return [f"{name}.{key}" for name, section in sections if section for key in section.model_fields]
 
 
 def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
-    """Return the keys that the model knows in the table at the given parts of a key."""
+    """Return the keys that a model knows in one of its tables, given the parts of the key of this table."""
     is_free_name = False
     for part in parts:
         if isinstance(part, str) and is_free_name:
@@ -228,7 +233,7 @@ def _known_keys(model: Any, parts: Sequence[str | int]) -> list[str]:
 
 
 def model_in(annotation: Any) -> Any:
-    """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``."""
+    """Return the model within an annotation such as ``Model | None`` or ``dict[str, Model]``; None if there is none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):

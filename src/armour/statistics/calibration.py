@@ -22,7 +22,7 @@ from armour.scenario.inputs import FLOW_STRESS, ROLES
 from armour.scenario.keys import key_name
 from armour.scenario.library import FLOW_STRESS_LAW, MOST_TESTS
 from armour.scenario.scenario import Scenario
-from armour.statistics.likelihood import Coefficient, InputFit, Likelihood, fit_inputs, likelihood_of, without
+from armour.statistics.likelihood import Coefficient, InputFit, Likelihood, fit_inputs, likelihood_of, refitted_inputs
 from armour.statistics.measured import LIMIT, ORIGINS, SERIES_COLUMNS, Tests, common_of, subject_of, with_scatter
 from armour.statistics.own_tests import nothing_of_error, own_tests, repeated, role_of, unused
 
@@ -38,14 +38,14 @@ LAWS: dict[Law, tuple[str, ...]] = {
 
 
 def law_of(scenario: Scenario) -> str:
-    """Return the law of the flow stress of the scenario's ceramic; "combined" for coefficients of several laws."""
+    """Return the name of the law of the flow stress of the scenario's ceramic; "combined" if several laws are in it."""
     values = scenario.inputs()
     nonzero = {key for key in FLOW_STRESS_LAW if values.get(f"ceramic.{key}")}
     return next((law for law, keys in LAWS.items() if nonzero == set(keys)), "combined")
 
 
 def with_law(scenario: Scenario, law: Law | None) -> Scenario:
-    """Return the scenario with a ceramic that has the coefficients of one law only; without a law, as it is.
+    """Return the scenario with a ceramic whose flow stress has one law only; without a law, the scenario as it is.
 
     Coefficients of other laws become 0, and so do those of `law` that the ceramic lacks.
     """
@@ -57,7 +57,7 @@ def with_law(scenario: Scenario, law: Law | None) -> Scenario:
 
 
 def with_ceramic(scenario: Scenario, values: dict[str, float]) -> Scenario:
-    """Return the scenario with other values of its ceramic, by key; the library entry may lack these keys."""
+    """Return the scenario with other values of its ceramic, by key of the library; its entry may lack these keys."""
     entry = scenario.entry_of("ceramic")
     assert entry is not None
     table: dict[str, Any] = dict(values)
@@ -181,6 +181,7 @@ class CalibrationResult(TableResult):
     reason: str = ""
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: the residuals."""
         return by_column(asdict(residual) for residual in self.residuals)
 
 
@@ -243,17 +244,18 @@ def calibrate(
     if law is not None and FLOW_STRESS not in fit:
         raise mistake("calibrate", "law", f'must not be given unless {FLOW_STRESS} is fitted, found "{law}"')
     groups = tuple(group._replace(scenario=with_law(group.scenario, law)) for group in tests.groups)
-    by_law = replace(tests, groups=groups, scenario=with_law(scenario, law))
+    tests_by_law = replace(tests, groups=groups, scenario=with_law(scenario, law))
     names = [*dict.fromkeys([*fit, *(f"ceramic.{key}" for key in (LAWS[law] if law else ()))])]
-    result = _fit_of(likelihood_of(by_law, names, on_progress), law)
+    result = _fitted(likelihood_of(tests_by_law, names, on_progress), law)
     question = {"scenario": scenario, "tests": tests, "changed": changed_equations()}
-    return _with_evidence(result, by_law, fit).of(subject_of(tests), **question)
+    return _with_evidence(result, tests_by_law, fit).of(subject_of(tests), **question)
 
 
 def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str]) -> CalibrationResult:
-    """Return the result with its evidence, the tests as a library entry stores them, or a warning that there is none.
+    """Return the result of a calibration with its evidence, or with the reason why it has none, and with warnings.
 
-    `tests` have the law of the result; `inputs` are the names of the fitted inputs.
+    The evidence is the tests as a library entry stores them.  `tests` have the law of the result; `inputs` are the
+    names of the fitted inputs.
     """
     scenario, notes = tests.groups[0].scenario, list[str]()
     values = {c.name: c.estimate for c in result.coefficients if c.estimate is not None}
@@ -266,7 +268,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     used = [place for place, reason in enumerate(reasons) if not reason]
     places = {reason: [i for i, other in enumerate(reasons) if other == reason] for reason in filter(None, reasons)}
     doubts = [
-        f"not used for the probability of stopping: {listed([_line(tests, i) for i in where])}: {reason}"
+        f"not used for the probability of stopping: {listed([_line_of_test(tests, i) for i in where])}: {reason}"
         for reason, where in places.items()
     ]
     doubts += tests.read.warnings if tests.read else ()
@@ -276,7 +278,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         evidence = own_evidence(entry, stored)
         doubtful = {used[place] for place in evidence.doubtful}
         if not evidence.fits:
-            doubts += [f"{_line(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
+            doubts += [f"{_line_of_test(tests, place)}: {evidence.source}" for place in sorted(doubtful)]
             stored, doubtful = None, set()
     if stored is not None:
         notes += repeated(tests)
@@ -284,18 +286,21 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         result = replace(result, reason=nothing_of_error(scenario))
         notes = [f"of the entry, {result.reason}"]
-    doubts += (*_out_of_line(tests, result, doubtful), *_split(tests, result.residuals))
+    doubts += (*_outlier_warnings(tests, result, doubtful), *_origin_warnings(tests, result.residuals))
     return replace(result, notes=(*map(Note, doubts), *result.notes, *map(Note, notes)))
 
 
-def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
-    """Return the result of a fit, without its evidence; a scatter is assumed for too few tests to estimate it."""
+def _fitted(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
+    """Fit the inputs of a likelihood, and return the result of the calibration, still without its evidence.
+
+    A scatter is assumed if the tests are too few to estimate it.
+    """
     tests = likelihood.tests
     too_few = not tests.weighted and likelihood.usable < likelihood.needed
     if too_few:
         tests = with_scatter(tests, LEAST_REST)
     fit = fit_inputs(likelihood._replace(tests=tests))
-    computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out(fit)
+    computed, left_out = fit.likelihood.predicted(fit.best.x), _left_out_values(fit)
     residuals = tuple(
         Residual(
             test=tests.names[m.test],
@@ -329,19 +334,19 @@ def _fit_of(likelihood: Likelihood, law: Law | None) -> CalibrationResult:
         p_value=fit.p_value,
         widened_by=fit.widened_by,
         notes=(
-            *map(Note, _doubts(fit, assumed=too_few)),
+            *map(Note, _fit_warnings(fit, assumed=too_few)),
             *(() if "impact.projectile" in tests.cells[0] else tests.scenario.unused_threats()),
         ),
     )
 
 
 def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bools:
-    """Return which of n measurements are out of line with the others, (n,).
+    """Return whether each of n measurements is out of line with the others, (n,).
 
     `deviations`, (n,), are the relative deviations of the fit to all measurements; in `left_out`, (n,), each is that of
-    a fit to the others.  A measurement is out of line if its studentised left-out deviation exceeds a quantile of
-    Student's t, with Bonferroni's correction.  In a linear model, a measurement adds the product of its two deviations
-    to the sum of squares.
+    a fit to the others.  `coefficients` is the number of fitted inputs.  A measurement is out of line if its
+    studentised left-out deviation exceeds a quantile of Student's t, with Bonferroni's correction.  In a linear model,
+    a measurement adds the product of its two deviations to the sum of squares.
     """
     freedom = len(deviations) - coefficients - 1
     if freedom < 1:
@@ -352,11 +357,11 @@ def out_of_line(deviations: Floats, left_out: Floats, coefficients: int) -> Bool
     return added > limit**2 * scatter
 
 
-def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[int]) -> Iterator[str]:
-    """Yield a warning for each measurement that is out of line with the others, with its line in the file.
+def _outlier_warnings(tests: Tests, result: CalibrationResult, doubtful: Collection[int]) -> Iterator[str]:
+    """Yield a warning for each measurement that is out of line with the others, with the line of its test in the file.
 
-    These are the measurements at the indices `doubtful`, those that `out_of_line` returns, and outcomes whose bounds
-    the fit misses by too much.
+    These are the measurements at the indices `doubtful`, those that `out_of_line` finds, and outcomes whose bounds the
+    fit misses by too much.
     """
     residuals, count = result.residuals, len(result.residuals)
     measured_places = np.array([place for place, r in enumerate(residuals) if not r.bound], dtype=np.int64)
@@ -378,13 +383,13 @@ def _out_of_line(tests: Tests, result: CalibrationResult, doubtful: Collection[i
         if r.left_out is not None:
             expected = f"a fit to the others gives {r.left_out:.4g}"
         yield (
-            f"{_line(tests, place)}: {r.quantity} is out of line with the other tests: measured "
+            f"{_line_of_test(tests, place)}: {r.quantity} is out of line with the other tests: measured "
             f"{r.bound}{' ' * bool(r.bound)}{r.measured:g}, but {expected}; chance alone makes one such test in about "
             f"{100.0 * FALSE_ALARMS:g} % of tables"
         )
 
 
-def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
+def _origin_warnings(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
     """Yield a warning for each column of origin, such as the laboratory, by which the deviations of limits differ.
 
     A drift over dates goes before a difference between them.
@@ -397,53 +402,57 @@ def _split(tests: Tests, residuals: Sequence[Residual]) -> Iterator[str]:
         remedy = "find out what differed, and make it a column"
         if column in SERIES_COLUMNS:
             remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
-        elif len(days := _days(names)) and np.ptp(days):
+        elif len(days := _day_numbers(names)) and np.ptp(days):
             since = days - days.mean()
-            if (chance := _chance(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
+            if (chance := _share_of_orders(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
                 drift = 100.0 * np.expm1(deviations @ since / (since @ since) * np.ptp(days))
                 ends = f"from {names[days.argmin()]} to {names[days.argmax()]}"
-                yield f"the deviations drift with the {column}: {drift:+.1f} % {ends}; {_by_chance(chance)}; {remedy}"
+                yield f"the deviations drift with the {column}: {drift:+.1f} % {ends}; {_in_words(chance)}; {remedy}"
                 continue
         has_name = names == np.unique(names)[:, None]
         counts = has_name.sum(axis=1)
-        if len(counts) > 1 and (chance := _chance(deviations, has_name, counts)) < FALSE_ALARMS:
+        if len(counts) > 1 and (chance := _share_of_orders(deviations, has_name, counts)) < FALSE_ALARMS:
             means = 100.0 * (np.exp(has_name @ deviations / counts) - 1.0)
             by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
-            yield f"the deviations differ by {column}: {joined(by_name)}; {_by_chance(chance)}; {remedy}"
+            yield f"the deviations differ by {column}: {joined(by_name)}; {_in_words(chance)}; {remedy}"
 
 
-def _chance(deviations: Floats, contrasts: Any, counts: Any) -> float:
-    """Return how often random orders of deviations, (n,), are as far from none as the given one: a permutation test.
+def _share_of_orders(deviations: Floats, contrasts: Any, counts: Any) -> float:
+    """Return the p value of a permutation test: the share of random orders that differ as much by group or date.
 
-    The measure is the sum of the squares of the `contrasts`, (k, n), over `counts`, (k,).
+    A difference is the sum of the squares of the `contrasts`, (k, n), of the deviations, (n,), each over its count,
+    (k,).
     """
     shuffled = np.random.default_rng(1).permuted(np.tile(deviations, (4999, 1)), axis=1)
     squares = ((np.vstack([deviations, shuffled]) @ contrasts.T) ** 2 / counts).sum(axis=1)
     return float((squares > squares[0] * (1.0 - 1e-9)).mean())
 
 
-def _by_chance(chance: float) -> str:
-    """Return in words how often chance alone does the same."""
+def _in_words(chance: float) -> str:
+    """Return the p value of `_share_of_orders` in words of a warning."""
     return f"chance alone does this in {100.0 * chance:.2g} % of tables"
 
 
-def _days(cells: Iterable[str]) -> Floats:
-    """Return the days of dates, (n,), by the first format that all have; none if they have none."""
+def _day_numbers(cells: Iterable[str]) -> Floats:
+    """Return dates as numbers of days, (n,), by the first format that fits all cells; (0,) if no format does."""
     for form in DATE_FORMATS:
         with suppress(ValueError):
             return np.array([datetime.strptime(cell, form).toordinal() for cell in cells], float)
     return np.empty(0)
 
 
-def _line(tests: Tests, place: int) -> str:
-    """Return the line of a test in its file, and the name of the test, given the index of one of its measurements."""
+def _line_of_test(tests: Tests, place: int) -> str:
+    """Return where the measurement at an index is: the line of its test in the file, and the name of the test."""
     test = tests.measurements[place].test
     line, name = tests.places[test], tests.names[test]
     return line if name == line else f"{line} ({name})"
 
 
-def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
-    """Yield warnings of a bad fit, of a scatter that is assumed, and of tests unlike those of the model."""
+def _fit_warnings(fit: InputFit, *, assumed: bool) -> Iterator[str]:
+    """Yield warnings of a bad fit, of outcomes on one side, and of tests unlike those that the model was compared with.
+
+    If the scatter is `assumed`, a warning says so.
+    """
     tests = fit.likelihood.tests
     if fit.p_value is not None and fit.widened_by != 1.0:
         yield (
@@ -462,8 +471,8 @@ def _doubts(fit: InputFit, *, assumed: bool) -> Iterator[str]:
         yield f"{limit}; this concerns {count} of {len(tests.names)} tests"
 
 
-def _left_out(fit: InputFit) -> Floats:
-    """Return the values of the m measurements by inputs fitted to the other tests, (m,); NaN if these are too few."""
+def _left_out_values(fit: InputFit) -> Floats:
+    """Return the model's value of each measurement by inputs fitted to the other tests, (m,); NaN if too few."""
     tests, needed = fit.likelihood.tests, len(fit.best.x)
     if not tests.weighted and any(m.side for m in tests.measurements):
         needed += 1
@@ -474,7 +483,7 @@ def _left_out(fit: InputFit) -> Floats:
     for fold in range(folds):
         kept = test_indices % folds != fold
         if fit.likelihood._replace(kept=kept).usable >= needed:
-            inputs[:, fold::folds] = without(fit, kept)[:, None]
+            inputs[:, fold::folds] = refitted_inputs(fit, kept)[:, None]
     is_fitted = ~np.isnan(inputs[0])
     values = fit.likelihood.predicted(np.where(is_fitted, inputs, fit.best.x[:, None]))
     values[~is_fitted[test_indices]] = np.nan
@@ -482,5 +491,6 @@ def _left_out(fit: InputFit) -> Floats:
 
 
 def _mean_percent(pairs: Sequence[tuple[float | None, float]]) -> float | None:
+    """Return the mean absolute deviation of computed from measured values, %; None if no value is computed."""
     errors = [abs(computed / measured - 1.0) for computed, measured in pairs if computed is not None]
     return 100.0 * sum(errors) / len(errors) if errors else None

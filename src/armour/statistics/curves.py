@@ -111,9 +111,9 @@ class FittedCurve:
 def profile_end(
     deviance: Callable[[float], float], estimate: float, farthest: float, root: float, step: float, tolerance: float
 ) -> float | None:
-    """Return the end of the profile-likelihood interval of a quantity between `estimate` and `farthest`.
+    """Return the end of the profile-likelihood interval of a quantity on one side of its estimate.
 
-    Return None if the interval reaches beyond `farthest`.
+    The side is that of `farthest`; the end is None if the interval reaches beyond it.
 
     Parameters
     ----------
@@ -130,6 +130,7 @@ def profile_end(
 
     @cache
     def excess(value: float) -> float:
+        """Return by how much the square root of the deviance of a value exceeds that at the end."""
         return (0.0 if value == estimate else sqrt(max(deviance(value), 0.0))) - root
 
     near, step = estimate, copysign(step, farthest - estimate)
@@ -153,15 +154,16 @@ VALUE = attrgetter("value")
 
 
 def has_curve(partial: Velocities, complete: Velocities) -> bool:
-    """Return whether there are shots of both kinds, the complete penetrations faster on average."""
+    """Return whether a rising curve fits shots, m/s: of both kinds, the complete penetrations faster on average."""
     return len(partial) > 0 and len(complete) > 0 and bool(np.mean(complete) > np.mean(partial))
 
 
 class ShotLikelihood:
     """Likelihood of curves given the velocities of partial and complete penetrations, m/s.
 
-    In its methods, `z` is an argument of F and `x` a standardised velocity, as in the module's docstring; `root` is the
-    square root of the deviance at the end of an interval.
+    `link` chooses F, and `penalised` multiplies the likelihood by the Jeffreys prior.  In its methods, `z` is an
+    argument of F and `x` a standardised velocity, as in the module's docstring; `root` is the square root of the
+    deviance at the end of an interval.
     """
 
     def __init__(self, partial: Velocities, complete: Velocities, link: Link, *, penalised: bool = False) -> None:
@@ -182,7 +184,7 @@ class ShotLikelihood:
         lowest, highest = float(x[signs < 0.0].max()), float(x[signs > 0.0].min())
         self.middle, self.separated = 0.5 * (lowest + highest), lowest <= highest and not penalised
         # With few shots, V50 is searched for between any two: the penalised likelihood can have several maxima.
-        self.places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
+        self.v50_places = np.append(ordered, between) if len(x) <= 60 else np.array([self.middle])
         low, high = np.sort(x)[[len(x) // OUTER, -1 - len(x) // OUTER]]
         self.nearby = low - FAR * (high - low), high + FAR * (high - low)
         if self.separated:
@@ -195,16 +197,16 @@ class ShotLikelihood:
         self.flat = self.with_slope(0.0)  # the maximum at a constant probability
 
     def _likeliest(self) -> Curve:
-        """Return the likeliest curve.
+        """Return the likeliest curve of all.
 
         Each maximum over a grid of slopes is refined: the penalised likelihood can have several.
         """
         lines = [_points_with_slope(self._intercepts(slope), slope) for slope in STARTS]
-        values = [self._values(points) for points in lines]
+        values = [self._penalised(points) for points in lines]
         profile = np.array([each.max() for each in values])
-        return max((self._refined(lines[i][values[i].argmax()]) for i in _maxima(profile)), key=VALUE)
+        return max((self._likeliest_near(lines[i][values[i].argmax()]) for i in _maxima(profile)), key=VALUE)
 
-    def _refined(self, start: Floats) -> Curve:
+    def _likeliest_near(self, start: Floats) -> Curve:
         """Return the curve at the maximum of the likelihood near a point, an intercept and a slope, (2,)."""
         simplex = start + np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1 * max(start[1], 0.1)]])
         options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-13}
@@ -217,8 +219,8 @@ class ShotLikelihood:
         """
         return LOG_CDFS[self.link](self.signs * z).sum(axis=1)
 
-    def _values(self, points: Floats) -> Floats:
-        """Return the log-likelihoods of m curves, (m,), with the penalty if there is one.
+    def _penalised(self, points: Floats) -> Floats:
+        """Return the log-likelihoods of m curves, (m,), with the penalty if the likelihood is penalised.
 
         `points`, (m, 2), are their intercepts and slopes.
         """
@@ -248,39 +250,41 @@ class ShotLikelihood:
         return greatest, total, spread
 
     def _loss(self, point: Floats) -> float:
-        return -float(self._values(point[None])[0])
+        """Return minus the log-likelihood of a curve, with the penalty if there is one, at a point, (2,)."""
+        return -float(self._penalised(point[None])[0])
 
     def _curve(self, point: Floats) -> Curve:
+        """Return the curve of a point, an intercept and a slope, (2,), with its log-likelihood."""
         return Curve(float(point[0]), float(point[1]), -self._loss(point))
 
-    def _highest(self, line: Callable[[Floats], Floats], places: Floats) -> Curve:
+    def _likeliest_of(self, family: Callable[[Floats], Floats], nodes: Floats) -> Curve:
         """Return the likeliest curve of a family with one parameter, by refining each maximum on a grid of it.
 
-        `line` returns the intercepts and slopes, (m, 2), of the curves with m values of the parameter; `places` are the
-        first values, ascending.
+        `family` returns the intercepts and slopes, (m, 2), of the curves with m values of the parameter; `nodes` are
+        the first values, ascending.
         """
-        return max((self._narrowed(line, places, place) for place in _maxima(self._values(line(places)))), key=VALUE)
+        return max((self._narrowed(family, nodes, i) for i in _maxima(self._penalised(family(nodes)))), key=VALUE)
 
-    def _narrowed(self, line: Callable[[Floats], Floats], places: Floats, best: int) -> Curve:
-        """Return the likeliest curve of a family near one of its members, given by its place among the parameters."""
+    def _narrowed(self, family: Callable[[Floats], Floats], nodes: Floats, best: int) -> Curve:
+        """Return the likeliest curve of a family near that of the node at the index `best`."""
         for _ in range(NARROWINGS):
-            places = np.linspace(places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)], NODES)
-            points = line(places)
-            best = int(self._values(points).argmax())
+            nodes = np.linspace(nodes[max(best - 1, 0)], nodes[min(best + 1, len(nodes) - 1)], NODES)
+            points = family(nodes)
+            best = int(self._penalised(points).argmax())
         return self._curve(points[best])
 
     def with_value(self, z: float, x: float) -> Curve:
-        """Return the likeliest of the curves with the probability F(z) at the standardised velocity `x`."""
-        return self._highest(lambda slopes: np.column_stack([z - slopes * x, slopes]), SLOPES)
+        """Return the likeliest of the curves through a point: the probability F(z) at the standardised velocity `x`."""
+        return self._likeliest_of(lambda slopes: np.column_stack([z - slopes * x, slopes]), SLOPES)
 
     def with_slope(self, slope: float) -> Curve:
-        """Return the likeliest of the curves with a slope."""
-        return self._highest(lambda intercepts: _points_with_slope(intercepts, slope), self._intercepts(slope))
+        """Return the likeliest of the curves that have this slope."""
+        return self._likeliest_of(lambda intercepts: _points_with_slope(intercepts, slope), self._intercepts(slope))
 
     def _intercepts(self, slope: float) -> Floats:
-        """Return ascending intercepts to try with a slope; the likeliest one is near one of them."""
+        """Return ascending intercepts to try with a slope, (n,); the likeliest one is near one of them."""
         ends = -BEYOND - slope * self.x.max(), BEYOND - slope * self.x.min()
-        return np.unique(np.append(np.linspace(*ends, INTERCEPTS), -slope * self.places).round(9))
+        return np.unique(np.append(np.linspace(*ends, INTERCEPTS), -slope * self.v50_places).round(9))
 
     def holds(self, curve: Curve, root: float) -> bool:
         """Return whether a curve is in the confidence region: its deviance is at most `root` squared."""
@@ -294,6 +298,7 @@ class ShotLikelihood:
         """
 
         def deviance(value: float) -> float:
+            """Return the deviance of a value of the quantity."""
             return 2.0 * (self.mode.value - profile(value).value)
 
         end = profile_end(deviance, start, start + direction * 1e3, root, step=0.3, tolerance=1e-9)
@@ -332,9 +337,9 @@ class ShotLikelihood:
         return low, high
 
     def chance_below(self, z: float, velocity_m_s: float) -> float:
-        """Return 1 minus the confidence at which the lower bound of a velocity is `velocity_m_s`.
+        """Return the risk of taking the velocity of the probability F(z) to be above `velocity_m_s`, m/s.
 
-        The bounded velocity is that at which shots perforate with the probability F(z), as in `lower_bound`.
+        It is 1 minus the confidence at which `lower_bound` is this velocity.
         """
         x = (velocity_m_s - self.mean) / self.deviation
         deviance = 2.0 * max(self.mode.value - self.with_value(z, x).value, 0.0)
@@ -342,13 +347,17 @@ class ShotLikelihood:
 
     @property
     def flat_deviance(self) -> float:
-        """Deviance of a constant probability; the interval of V50 is bounded if its ends have a smaller deviance."""
+        """Deviance of a constant probability: an interval of V50 is bounded if the deviance at its ends is smaller."""
         return 2.0 * (self.mode.value - self.flat.value)
 
     def scale_interval(self, root: float) -> tuple[float, float]:
-        """Return the ends of the interval of the scale, 1 / slope, where the square root of the deviance is `root`."""
+        """Return the ends of the interval of the scale, 1 / slope of the standardised velocity, 0 or infinite if open.
+
+        `root` is the square root of the deviance at the ends.
+        """
 
         def end(direction: float) -> float:
+            """Return the lower (-1) or upper (1) end, which is searched for on a logarithmic axis."""
             estimate = -log(self.mode.slope)
             return exp(self.bound(lambda log_scale: self.with_slope(exp(-log_scale)), estimate, direction, root))
 
@@ -365,28 +374,29 @@ class ShotLikelihood:
 
 
 def _maxima(values: Floats) -> list[int]:
-    """Return the indices of the values that no neighbour exceeds; of neighbours that are equal, the first."""
+    """Return the indices of the local maxima of values, (n,); of equal neighbours, that of the first."""
     values = values.round(9)  # beyond which log-likelihoods differ by rounding alone
     return np.flatnonzero((values > np.append(-inf, values[:-1])) & (values >= np.append(values[1:], -inf))).tolist()
 
 
 def _points_with_slope(intercepts: Floats, slope: float) -> Floats:
-    """Return curves as intercepts and slopes, (m, 2), given m intercepts and one slope."""
+    """Return m curves that have one slope, as intercepts and slopes, (m, 2)."""
     return np.column_stack([intercepts, np.full(len(intercepts), slope)])
 
 
 def fit_curve(
     partial: Velocities, complete: Velocities, link: Link, confidence: float = CONFIDENCE, *, penalised: bool = False
 ) -> FittedCurve | None:
-    """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood.
+    """Fit a curve to the velocities of partial and complete penetrations, m/s, by maximum likelihood, or penalised.
 
-    Return None if the penalised likelihood is greatest for a curve that does not rise, or whose V50 is not positive.
+    `link` chooses the curve; `confidence` is the level of its intervals.  Return None if the penalised likelihood is
+    greatest for a curve that does not rise, or whose V50 is not positive.
     """
     return curve_of(ShotLikelihood(partial, complete, link, penalised=penalised), confidence)
 
 
 def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
-    """Return the likeliest curve and its intervals given the likelihood of the shots, as `fit_curve` does."""
+    """Return the likeliest curve with its intervals, given the likelihood of the shots; None as in `fit_curve`."""
     (a, b, _), mean, deviation, z95 = shots.mode, shots.mean, shots.deviation, Z95[shots.link]
     penalised, v50 = shots.penalised, mean + deviation * (shots.middle if shots.separated else -a / b)
     if penalised and (b <= 0.0 or v50 <= 0.0):
@@ -411,7 +421,7 @@ def curve_of(shots: ShotLikelihood, confidence: float) -> FittedCurve | None:
 
 
 def bounded(value: float) -> float | None:
-    """Return a velocity or scale, m/s, as it is, or None if it is infinite or not positive."""
+    """Return a velocity or scale, m/s, or None in place of one that is infinite or not positive."""
     return value if 0.0 < value < inf else None
 
 
@@ -420,7 +430,8 @@ def penalised_band(
 ) -> tuple[Floats, Floats]:
     """Return the lower and upper ends, (n,), of the pointwise confidence intervals of the probability at n velocities.
 
-    The velocities are in m/s.  For more than BAND_NODES different ones, the intervals are interpolated.
+    They are those of the penalised curve of a link, fitted to `partial` and `complete` penetrations; all velocities are
+    in m/s.  For more than BAND_NODES different ones, the intervals are interpolated.
     """
     shots = ShotLikelihood(partial, complete, link, penalised=True)
     root = float(ndtri(0.5 + 0.5 * confidence))

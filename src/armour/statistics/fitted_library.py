@@ -70,11 +70,12 @@ def save_fit(
 def library_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str) -> str:
     """Return the text of a library file with the calibrated entries and the tests that they were calibrated to.
 
-    The file needs only the shipped library.  The entries must make a valid scenario in `scenario`.
+    The file needs only the shipped library.  The arguments are those of `save_fit`; the entries must make a valid
+    scenario in `scenario`.
     """
-    tables, names = _entries(result, tests, lot)
-    _usable(lambda: scenario.replaced({"library": tables, **names}))
-    return _compact(tomli_w.dumps(tables))
+    tables, names = _calibrated_entries(result, tests, lot)
+    _valid_scenario(lambda: scenario.replaced({"library": tables, **names}))
+    return _compact_toml(tomli_w.dumps(tables))
 
 
 def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, lot: str, path: Path) -> str:
@@ -85,8 +86,8 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
     for coefficient in result.coefficients:
         if result.evidence is None and coefficient.interval and None in coefficient.interval:
             raise NoAnswerError(f"nothing to write: the tests bound {coefficient.name} on one side only")
-    tables, names = _entries(result, tests, lot)
-    with_entries = _usable(lambda: scenario.replaced({"library": tables, **names}))
+    tables, names = _calibrated_entries(result, tests, lot)
+    with_entries = _valid_scenario(lambda: scenario.replaced({"library": tables, **names}))
     data = parse_toml(with_entries.to_toml(path.parent), scenario.file)
     tested = tests.groups[0].scenario
     _rename(data, scenario, {role: (tested.name_of(role), names[key]) for role, key in NAMES.items() if key in names})
@@ -114,13 +115,13 @@ def scenario_text(result: CalibrationResult, tests: Tests, scenario: Scenario, l
         del section[role]
     if not section:
         del data["uncertainty"]
-    return _compact(_usable(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml())
+    return _compact_toml(_valid_scenario(lambda: parse_scenario(data, file=str(path), folder=path.parent)).to_toml())
 
 
 def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[str | None, str]]) -> None:
-    """Replace tested entries by calibrated ones in the threats and the catalogue of a scenario.
+    """Replace the names of tested entries by those of calibrated ones in the threats and the catalogue of a scenario.
 
-    `data` are the tables of its file, to be changed; `names` has the tested and the calibrated name by role.
+    `data` are the tables of its file, which are changed; `names` has the tested and the calibrated name by role.
     """
     design, layers = scenario.design or DesignSection(), data.get("design", {})
     for role, key, sections, tables in (
@@ -134,15 +135,15 @@ def _rename(data: dict[str, Any], scenario: Scenario, names: Mapping[str, tuple[
                 table[key] = calibrated
 
 
-def _compact(text: str) -> str:
+def _compact_toml(text: str) -> str:
     """Return a TOML text with each list of numbers on one line; refuse names that are not UTF-8."""
     if wrong := next((line for line in text.split("\n") if printable(line) != line), ""):
         raise mistake("calibrate", "", f"must be given names in UTF-8, found {printable(wrong)}")
     return NUMBER_LIST.sub(lambda numbers: f"[{', '.join(numbers[1].replace(',', ' ').split())}]", text)
 
 
-def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
-    """Return the scenario that a function makes from a fit; raise a NoAnswerError if it is not valid."""
+def _valid_scenario(scenario_of: Callable[[], Scenario]) -> Scenario:
+    """Return the scenario that `scenario_of` makes with a fit; raise a NoAnswerError if the scenario is not valid."""
     try:
         return scenario_of()
     except InputError as error:
@@ -150,8 +151,11 @@ def _usable(scenario_of: Callable[[], Scenario]) -> Scenario:
         raise NoAnswerError(f"nothing to write: no scenario could use the fit: {reasons}") from None
 
 
-def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the calibrated entries as tables of a library file, and their names by key of a scenario."""
+def _calibrated_entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the calibrated entries as tables of a library file, and their names by the scenario's key that names them.
+
+    `lot` is part of the names.
+    """
     tables: dict[str, Any] = {}
     names: dict[str, str] = {}
     for coefficient in result.coefficients:
@@ -178,13 +182,13 @@ def _entries(result: CalibrationResult, tests: Tests, lot: str) -> tuple[dict[st
             if result.evidence is not None or role != "projectile":
                 reason = {"reason": result.reason or NOTHING_OF_ERROR}
                 entries[name]["evidence"] = {"lot": lot, **(result.evidence or reason)}
-            value["tests"] = [_test_table(tests, i, role) for i in range(len(tests.names))]
+            value["tests"] = [_table_of_test(tests, i, role) for i in range(len(tests.names))]
         entries[name][key] = value
     return tables, names
 
 
 def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
-    """Return what a calibrated entry starts from: the name of `entry` if it is shipped, otherwise its values.
+    """Return the table that a calibrated entry starts from: based on `entry` if it is shipped, otherwise its values.
 
     Coefficients of laws of the flow stress other than `law` are set to 0.
     """
@@ -196,8 +200,11 @@ def _base_of(entry: LibraryEntry, law: str) -> dict[str, Any]:
     return base | {key: 0.0 for key in other_laws if entry[key]}
 
 
-def _test_table(tests: Tests, test: int, calibrated_role: str) -> dict[str, float | str]:
-    """Return the inputs and measurements of the test at an index, without the name of the calibrated entry."""
+def _table_of_test(tests: Tests, test: int, calibrated_role: str) -> dict[str, float | str]:
+    """Return the test at an index as a table of a library file: its inputs and measurements, by key.
+
+    The name of the material in the calibrated role is left out, as the entry that holds the table has it.
+    """
     scenario = next(group.scenario for group in tests.groups if test in group.where)
     cells = tests.cells[test]
     names = {key: scenario.name_of(role) for role, key in NAMES.items() if role != calibrated_role}

@@ -67,7 +67,7 @@ class Coefficient:
 
 
 class Likelihood(NamedTuple):
-    """The likelihood of k inputs given m measurements.
+    """The likelihood of k inputs given the m measurements of n tests.
 
     A measured value is normally distributed about the model's value.  Its standard deviation is the given uncertainty
     or, without uncertainties, a fraction of the value, the scatter, which is common to all.  The likelihood of an
@@ -80,17 +80,20 @@ class Likelihood(NamedTuple):
     units: Floats  # of the inputs: the scenario's own values, or 1, (k,)
     lower: Floats  # bounds in these units, (k,)
     upper: Floats
-    kept: Bools  # whether each measurement counts, (m,)
+    kept: Bools  # whether each measurement counts, (m,); a fit to fewer tests leaves some out
     on_progress: OnProgress
 
     @property
     def sides(self) -> Floats:
-        """Sides of the measurements that count: 0 for a measured value, +1 for stopped and -1 for perforated shots."""
+        """Kind of each measurement that counts: 0 for a measured value, +1 for a shot stopped, -1 for one perforating.
+
+        It is the side of the velocity on which the ballistic limit lies.
+        """
         return np.array([m.side for m in self.tests.measurements])[self.kept]
 
     @property
     def usable(self) -> int:
-        """Number of the measurements that count, without outcomes if no uncertainties are given."""
+        """Number of measurements to fit to: those that count, without outcomes unless uncertainties are given."""
         return len(self.sides) if self.tests.weighted else int((self.sides == 0).sum())
 
     @property
@@ -99,9 +102,10 @@ class Likelihood(NamedTuple):
         return len(self.names) + (not self.tests.weighted)
 
     def deviations(self, x: Floats) -> Floats:
-        """Return the relative deviations of the model at a point from the measurements that count, one for each.
+        """Return the deviations of the model at a point, (k,), from the measurements that count, one for each.
 
-        A deviation is divided by the uncertainty of its measurement or, without uncertainties, by the measured value.
+        A deviation, computed minus measured, is divided by the uncertainty of its measurement or, without
+        uncertainties, by the measured value.
         """
         scales = [m.uncertainty or m.value for m in self.tests.measurements]
         values = np.array([m.value for m in self.tests.measurements])
@@ -109,7 +113,10 @@ class Likelihood(NamedTuple):
         return ((self.predicted(x) - values) / scales)[self.kept]
 
     def predicted(self, x: Floats) -> Floats:
-        """Return the model's values of the m measurements, (m,), at a point, (k,), or at one point per test, (k, n)."""
+        """Return the model's values of the m measurements, (m,), each in the unit of its quantity.
+
+        `x` is a point, (k,), or has one point for each of the n tests, (k, n).
+        """
         measurements = self.tests.measurements
         values = np.empty(len(measurements))
         test_indices = np.array([m.test for m in measurements])
@@ -126,7 +133,7 @@ class Likelihood(NamedTuple):
 
 
 def _limits(variants: Variants) -> Floats:
-    """Return ballistic limits, m/s, clipped to the range of the search.
+    """Return the ballistic limits of variants, m/s, (n,), clipped to the range of the search.
 
     The usual scan is enough even for unusual armours: a fit meets them only far from its solution, or has none.
     """
@@ -136,7 +143,7 @@ def _limits(variants: Variants) -> Floats:
 
 
 def _residual_velocities(variants: Variants) -> Floats:
-    """Return residual velocities, m/s; if the projectile is stopped, the impact velocity minus the ballistic limit."""
+    """Return the residual velocities of variants, m/s, (n,): where stopped, the impact velocity minus the limit."""
     answers = QuantityValues(variants)
     residual = answers.impacts.V.copy()
     stopped = np.flatnonzero(~answers.perforated)
@@ -154,7 +161,7 @@ MODELS: dict[str, Callable[[Variants], Floats]] = {
 
 
 class Point(NamedTuple):
-    """Result of a search: the inputs and the scatter of greatest likelihood, of which some may have been held."""
+    """The most likely inputs and scatter that a search has found; some may have been held."""
 
     x: Floats  # in their units, (k,)
     scatter: float  # 1 if uncertainties are given
@@ -163,7 +170,7 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True)
 class Precision:
-    """How precisely tests determine inputs."""
+    """How precisely tests determine k fitted inputs: the base of `InputFit`."""
 
     covariance: Floats  # of the inputs in their units, (k, k)
     degrees_of_freedom: float
@@ -177,23 +184,27 @@ class Precision:
 class InputFit(Precision):
     """A fit of inputs to tests.
 
-    ``rows`` and ``residuals`` are the least-squares problem linearised at the fit, whose solution is a Newton step.
+    ``gradients`` (of the m measurements that count, by `_weighted_gradients`) and ``residuals`` are the least-squares
+    problem linearised at the fit, whose solution is a Newton step.
     """
 
     likelihood: Likelihood
     best: Point
-    rows: Floats  # (m, k)
+    gradients: Floats  # (m, k)
     residuals: Floats  # (m,)
     starts: int
     starts_agreeing: int
 
     def coefficients(self) -> tuple[Coefficient, ...]:
-        """Return the inputs with their profile-likelihood intervals, or why the tests do not identify them."""
+        """Return each fitted input with its profile-likelihood interval, or why the tests do not identify it."""
         return tuple(_coefficient(self, index) for index in range(len(self.likelihood.names)))
 
 
 def fit_inputs(likelihood: Likelihood) -> InputFit:
-    """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`."""
+    """Fit inputs to tests, from several starts; see `armour.statistics.calibration.calibrate`.
+
+    An InputError says that there are too few measurements.
+    """
     tests, needed, count = likelihood.tests, likelihood.needed, likelihood.usable
     if count < needed:
         kinds = "measurements or outcomes" if tests.weighted else "measurements, as their uncertainties are not given,"
@@ -206,17 +217,17 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
     solutions = [search(likelihood, start) for start in starts]
     best = min(solutions, key=lambda solution: solution.loss)
     sides, z = likelihood.sides, likelihood.deviations(best.x) / best.scatter
-    weights, rows = _rows_at(likelihood, best.x, best.scatter)
+    weights, gradients = _weighted_gradients(likelihood, best.x, best.scatter)
     residuals = np.where(sides == 0, z, -sides * _hazard(sides * z) / np.maximum(weights, 1e-150))
     if tests.weighted:
-        precision = _by_uncertainties(rows, residuals, sides)
+        precision = _precision_by_uncertainties(gradients, residuals, sides)
     else:
-        precision = _by_scatter(rows, weights, z, sides, best.scatter)
+        precision = _precision_by_scatter(gradients, weights, z, sides, best.scatter)
     return InputFit(
         **vars(precision),
         likelihood=likelihood,
         best=best,
-        rows=rows,
+        gradients=gradients,
         residuals=residuals,
         starts=len(solutions),
         starts_agreeing=sum(np.allclose(solution.x, best.x, rtol=CLOSE, atol=CLOSE) for solution in solutions),
@@ -224,7 +235,7 @@ def fit_inputs(likelihood: Likelihood) -> InputFit:
 
 
 def likelihood_of(tests: Tests, inputs: Sequence[str], on_progress: OnProgress) -> Likelihood:
-    """Check that inputs can be fitted to tests, and return their likelihood."""
+    """Return the likelihood of inputs, by name, given tests; raise an InputError if they cannot be fitted to these."""
     _check_fittable(tests, inputs)
     first = tests.groups[0].scenario
     values, is_coefficient = first.inputs(), np.array([name.partition(".")[2] in FLOW_STRESS_LAW for name in inputs])
@@ -242,10 +253,10 @@ def search(
     scatter: float | None = None,
     tolerance: float = FIT_TOLERANCE,
 ) -> Point:
-    """Search for the most likely inputs from a starting point, (k,).
+    """Search for the most likely inputs, and the scatter, from a starting point, (k,).
 
-    The input at index `held`, if there is one, and the `scatter`, if given, are held.  `tolerance` is the accuracy of
-    the inputs in their units.
+    The input at the index `held`, if there is one, keeps its value, and the scatter is `scatter`, if this is given.
+    `tolerance` is the accuracy of the inputs in their units.
     """
     free = np.flatnonzero(np.arange(len(start)) != held)
     sides, x = likelihood.sides, start.copy()
@@ -254,17 +265,20 @@ def search(
 
     @cache
     def deviations_at(inputs: tuple[float, ...]) -> Floats:
+        """Return the deviations at given values of the inputs that are not held."""
         point = x.copy()
         point[free] = inputs
         return likelihood.deviations(point)
 
     def move(scatter: float) -> Floats:
-        """Move to the most likely inputs given the scatter, and return their deviations."""
+        """Move `x` to the most likely inputs given the scatter, and return the deviations there."""
 
         def losses(inputs: Floats) -> Floats:
+            """Return the residuals of least squares, (m,)."""
             return _losses(deviations_at(tuple(inputs.tolist())) / scatter, sides)
 
         def slopes(inputs: Floats) -> Floats:
+            """Return the derivatives of the residuals by the inputs that are not held."""
             return approx_fprime(inputs, losses, DIFFERENCE)
 
         if len(free):
@@ -274,9 +288,11 @@ def search(
         return deviations_at(tuple(x[free].tolist()))
 
     def loss(deviations: Floats, scatter: float) -> float:
+        """Return -2 times the log-likelihood, up to a constant."""
         return float((_losses(deviations / scatter, sides) ** 2).sum() + 2.0 * (sides == 0).sum() * log(scatter))
 
     def profile(log_scatter: float) -> float:
+        """Return the loss at the most likely inputs given the scatter."""
         return loss(move(exp(log_scatter)), exp(log_scatter))
 
     if scatter_matters and not likelihood.tests.weighted and scatter is None:
@@ -300,17 +316,17 @@ def _losses(z: Floats, sides: Floats) -> Floats:
 UPPER = 0.5 * (1.0 + CONFIDENCE)
 
 
-def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precision:
-    """Return the precision if uncertainties are given, lower if the deviations are larger than these explain.
+def _precision_by_uncertainties(gradients: Floats, residuals: Floats, sides: Floats) -> Precision:
+    """Return the precision of a fit to tests with uncertainties, lower if the deviations are larger than these explain.
 
-    `rows`, (m, k), and `residuals`, (m,), are those of `InputFit`; `sides`, (m,), those of `Likelihood`.
+    `gradients`, (m, k), and `residuals`, (m,), are those of `InputFit`; `sides`, (m,), those of `Likelihood`.
     """
-    count, exact = rows.shape[1], sides == 0
-    covariance, leverages = _inverted(rows, count)
+    count, measured = gradients.shape[1], sides == 0
+    covariance, leverages = _covariance_and_leverages(gradients, count)
     # The part of the inputs that outcomes determine takes no degree of freedom from measured values.
-    freedom = float(exact.sum() - count + leverages[~exact].sum())
+    freedom = float(measured.sum() - count + leverages[~measured].sum())
     freedom = round(freedom, 9) + 0.0  # outcomes alone leave none, but for rounding
-    chi_squared = float((residuals[exact] ** 2).sum())
+    chi_squared = float((residuals[measured] ** 2).sum())
     p_value = float(chdtrc(freedom, chi_squared)) if freedom > 0.5 else None
     widened_by, threshold = 1.0, float(ndtri(UPPER)) ** 2
     if p_value is not None and p_value < MIN_P_VALUE:
@@ -319,48 +335,49 @@ def _by_uncertainties(rows: Floats, residuals: Floats, sides: Floats) -> Precisi
     return Precision(covariance * widened_by**2, freedom, chi_squared, p_value, widened_by, threshold)
 
 
-def _by_scatter(rows: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
-    """Return the precision if the scatter is estimated with the inputs.
+def _precision_by_scatter(gradients: Floats, weights: Floats, z: Floats, sides: Floats, scatter: float) -> Precision:
+    """Return the precision of a fit to tests without uncertainties, whose scatter is estimated with the inputs.
 
-    `rows`, (m, k), are those of `InputFit`, `weights`, (m,), those of `_rows_at`; `z`, (m,), are deviations over the
-    scatter.  Without outcomes, the intervals are exact for a linear model.  Outcomes count as the number of measured
-    values that would determine the scatter as well.
+    `gradients`, (m, k), are those of `InputFit`, `weights`, (m,), those of `_weighted_gradients`; `z`, (m,), are
+    deviations over the scatter; `sides`, (m,), are those of `Likelihood`.  Without outcomes, the intervals are exact
+    for a linear model.  Outcomes count as the number of measured values that would determine the scatter as well.
     """
-    count, measurements, exact = rows.shape[1], len(z), sides == 0
+    count, measurements, measured = gradients.shape[1], len(z), sides == 0
     # With the logarithm of the scatter as a further unknown: it affects the inputs through outcomes.
-    joint_rows = np.zeros((measurements + 1, count + 1))
-    joint_rows[:-1, :count] = rows
-    joint_rows[:-1, count] = np.where(exact, 0.0, -weights * z)
-    joint_rows[-1, count] = sqrt(2.0 * exact.sum())
-    information = np.where(exact, 2.0, z**2 * _hazard(sides * z) * _hazard(-sides * z))  # on the scatter's logarithm
+    joint_gradients = np.zeros((measurements + 1, count + 1))
+    joint_gradients[:-1, :count] = gradients
+    joint_gradients[:-1, count] = np.where(measured, 0.0, -weights * z)
+    joint_gradients[-1, count] = sqrt(2.0 * measured.sum())
+    information = np.where(measured, 2.0, z**2 * _hazard(sides * z) * _hazard(-sides * z))  # on the scatter's logarithm
     equivalent = 0.5 * float(information.sum())  # number of measured values that determine the scatter as well
     freedom = equivalent - count
-    joint_rows *= sqrt(freedom / equivalent)
+    joint_gradients *= sqrt(freedom / equivalent)
     return Precision(
-        covariance=_inverted(joint_rows, count)[0],
+        covariance=_covariance_and_leverages(joint_gradients, count)[0],
         degrees_of_freedom=freedom,
-        chi_squared=float((z[exact] ** 2).sum()) * scatter**2,
+        chi_squared=float((z[measured] ** 2).sum()) * scatter**2,
         p_value=None,
         widened_by=1.0,
         threshold=equivalent * float(np.log1p(stdtrit(freedom, UPPER) ** 2 / freedom)),
     )
 
 
-def _inverted(rows: Floats, count: int) -> tuple[Floats, Floats]:
+def _covariance_and_leverages(gradients: Floats, count: int) -> tuple[Floats, Floats]:
     """Return the covariance of the first `count` unknowns of a least-squares problem, and the leverages on them.
 
-    `rows`, (n, unknowns), are the coefficients of its equations, whose errors have variance 1.  Each equation has a
-    leverage, (n,).
+    `gradients`, (n, unknowns), are the coefficients of its n equations, whose errors have variance 1.  The covariance
+    is (count, count); each equation has a leverage, (n,).
     """
-    inverse = np.linalg.pinv(rows, rcond=1e-6)[:count]
-    return inverse @ inverse.T, (rows[:, :count] * inverse.T).sum(axis=1)
+    inverse = np.linalg.pinv(gradients, rcond=1e-6)[:count]
+    return inverse @ inverse.T, (gradients[:, :count] * inverse.T).sum(axis=1)
 
 
-def _rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
-    """Return the weights, (m,), and the rows, (m, k), of the m measurements that count, at a point.
+def _weighted_gradients(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats, Floats]:
+    """Return the weights, (m,), and the weighted gradients, (m, k), of the m measurements that count, at a point, (k,).
 
-    A row is a weight times the gradient of the deviation, in standard deviations.  The weight of a measured value is 1.
-    The information about the inputs, in their units, is rows.T @ rows.
+    A weighted gradient is the weight times the gradient of the deviation, in standard deviations, by the inputs in
+    their units.  The weight of a measured value is 1, that of an outcome less.  The information about the inputs, in
+    their units, is gradients.T @ gradients.
     """
     sides = likelihood.sides
     jacobian = approx_fprime(x, likelihood.deviations, DIFFERENCE).reshape(len(sides), len(x)) / scatter
@@ -371,15 +388,16 @@ def _rows_at(likelihood: Likelihood, x: Floats, scatter: float) -> tuple[Floats,
 
 
 def _hazard(z: Floats) -> Floats:
-    """Return the density of the normal distribution divided by its distribution function at `z`."""
+    """Return the density of the standard normal distribution divided by its distribution function, at each `z`."""
     return np.exp(-0.5 * z * z - log_ndtr(z)) / sqrt(2.0 * pi)
 
 
 def _coefficient(fit: InputFit, index: int) -> Coefficient:
+    """Return the fitted input at an index, with its interval, or why the tests do not identify it."""
     likelihood, name = fit.likelihood, fit.likelihood.names[index]
     unit, error = float(likelihood.units[index]), sqrt(max(float(fit.covariance[index, index]), 0.0))
     bounds = float(likelihood.lower[index]), float(likelihood.upper[index])
-    (low, flat_below), (high, flat_above) = (_end(fit, index, bound, error) for bound in bounds)
+    (low, flat_below), (high, flat_above) = (_interval_end(fit, index, bound, error) for bound in bounds)
     ends = (None if low is None else low * unit, None if high is None else high * unit)
     if ends == (None, None):
         return Coefficient(name, None, None, "the tests bound it neither above nor below")
@@ -389,18 +407,19 @@ def _coefficient(fit: InputFit, index: int) -> Coefficient:
     return Coefficient(name, float(fit.best.x[index]) * unit, ends, standard_error=error * unit)
 
 
-def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
-    """Return the end of the interval of the input at an index, between its estimate and its bound, in its unit.
+def _interval_end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float | None, bool]:
+    """Return the end of the interval of an input on the side of its bound, and whether the fit is as good at the bound.
 
-    The end is None if the likelihood does not fall enough up to the bound.  Return also whether the likelihood at the
-    bound is as great as at the estimate.  `error` is the standard error of the input.
+    The end, in the unit of the input, is None if the likelihood does not fall enough up to the bound.  `index` is that
+    of the input, `error` its standard error, in its unit.
     """
     likelihood, best = fit.likelihood, fit.best
     # Most likely changes of the other inputs per change of this one.
     other_inputs = np.arange(len(best.x)) != index
-    slopes = np.linalg.lstsq(fit.rows[:, other_inputs], -fit.rows[:, index], rcond=1e-6)[0]
+    slopes = np.linalg.lstsq(fit.gradients[:, other_inputs], -fit.gradients[:, index], rcond=1e-6)[0]
 
     def deviance(value: float) -> float:
+        """Return the deviance of a value of this input, with the others as likely as possible."""
         start = best.x.copy()
         start[index] = value
         start[other_inputs] += slopes * (value - best.x[index])
@@ -412,14 +431,16 @@ def _end(fit: InputFit, index: int, bound: float, error: float) -> tuple[float |
     return end, end is None and deviance(bound) < CLOSE
 
 
-def without(fit: InputFit, kept: Bools) -> Floats:
-    """Return the inputs fitted to the measurements `kept`, a mask, (m,), with the scatter of the fit to all, (k,).
+def refitted_inputs(fit: InputFit, kept: Bools) -> Floats:
+    """Return the inputs fitted to the measurements `kept` alone, (k,), with the scatter of the fit to all.
+
+    `kept`, (m,), tells which measurements count.
 
     If the change from the fit to all is small, it is a Newton step, with an error of second order; otherwise the search
     is repeated.
     """
     likelihood = fit.likelihood._replace(kept=kept)
-    change = np.linalg.lstsq(fit.rows[kept], -fit.residuals[kept], rcond=1e-6)[0]
+    change = np.linalg.lstsq(fit.gradients[kept], -fit.residuals[kept], rcond=1e-6)[0]
     x: Floats = np.clip(fit.best.x + change, likelihood.lower, likelihood.upper)
     if (np.abs(x - fit.best.x) <= SMALL_CHANGE).all():
         return x
@@ -427,7 +448,7 @@ def without(fit: InputFit, kept: Bools) -> Floats:
 
 
 def _check_fittable(tests: Tests, inputs: Sequence[str]) -> None:
-    """Check that `inputs` can be fitted to tests."""
+    """Raise an InputError unless inputs, by name, can be fitted to tests: properties that no column of these varies."""
     tests.scenario.check_names(inputs, "calibrate", "fit")
     problems = []
     for name in inputs:

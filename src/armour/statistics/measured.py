@@ -113,7 +113,7 @@ class Tests:
 
 
 def with_scatter(tests: Tests, scatter: float) -> Tests:
-    """Return the tests with an uncertainty of `scatter` times the value for each measurement."""
+    """Return the tests with an uncertainty of each measurement: `scatter`, a fraction, times its value."""
     measurements = tuple(m._replace(uncertainty=scatter * m.value) for m in tests.measurements)
     return replace(tests, measurements=measurements, weighted=True)
 
@@ -126,7 +126,7 @@ def subject_of(tests: Tests) -> str:
 
 
 def common_of(scenario: Scenario) -> tuple[object, ...]:
-    """Return what tests can have in common: sections of a scenario, and its inputs with those of the library."""
+    """Return what all tests that were read with a scenario share, to compare scenarios: its sections and inputs."""
     sections = scenario.impact, scenario.armour, scenario.model, scenario.solver, scenario.ballistic_limit
     return *sections, scenario.inputs()
 
@@ -193,7 +193,7 @@ def read_open_tests(
     *,
     closed: bool = True,
 ) -> Tests:
-    """Return the tests of an open table; arguments and errors are those of `read_tests`.
+    """Return the tests of an open table of `open_tests`; other arguments, and errors, are those of `read_tests`.
 
     If the table is not ``closed``, columns that are not read may divide the tests.
     """
@@ -234,12 +234,12 @@ def read_open_tests(
     cells: list[dict[str, float | str]] = [{**row.texts, **row.numbers} for row in rows]
     places = tuple(row.place for row in rows)
     is_weighted = uncertainties_given == {True}
-    read = replace(table.read, warnings=(*_unread(table.read.ignored), *table.read.warnings))
+    read = replace(table.read, warnings=(*_unread_warnings(table.read.ignored), *table.read.warnings))
     return Tests(file, names, (*groups,), (*measurements,), is_weighted, (*cells,), scenario, places, read)
 
 
-def _unread(ignored: Sequence[str]) -> Iterator[str]:
-    """Yield a warning of the columns that were not read and, by their units, may be inputs or uncertainties."""
+def _unread_warnings(ignored: Sequence[str]) -> Iterator[str]:
+    """Yield a warning of the columns in `ignored` that may be inputs or uncertainties by their units, if any may."""
     names = [name for name in ignored if unit_of(name) in ("mm", "°", "m/s") and not column_of(name, NUMBERS).known]
     if names:
         yield (
@@ -249,12 +249,12 @@ def _unread(ignored: Sequence[str]) -> Iterator[str]:
 
 
 def open_tests(path: Table, notes: Sequence[str] = (), sheet: str | None = None) -> Source:
-    """Open a table of tests with further columns, `notes`."""
+    """Open a table of tests for `read_open_tests`; `notes` are further columns that it may have."""
     return csv_files.open_table(path, lambda name: column_of(name, (*NUMBERS, *TEXTS, *notes)).known, sheet)
 
 
 def _without_bounds(source: Source) -> tuple[Source, dict[str, str]]:
-    """Return the table with limits such as "above 950" as numbers, and the outcomes of shots at them, by line."""
+    """Return the table with numbers in place of limits such as "above 950", and by line the outcome that each means."""
     place = next((place for place, name in enumerate(source.header) if column_of(name, (LIMIT,)).known), None)
     if place is None:
         return source, {}
@@ -268,7 +268,7 @@ def _without_bounds(source: Source) -> tuple[Source, dict[str, str]]:
 
 
 def _bare_plates(rows: Sequence[CsvRow]) -> set[str]:
-    """Give tests without a ceramic a thickness of 0, and return their places.
+    """Set the ceramic's thickness of tests of bare plates to 0 in their rows, and return the places of these rows.
 
     Their ceramic has no thickness or, where the table names ceramics, no name either; one with only one of them blank
     may lack it by mistake.  It counts as one of the first ceramic, as it has no effect.
@@ -291,7 +291,7 @@ def _bare_plates(rows: Sequence[CsvRow]) -> set[str]:
 
 
 def _mistakes(row: CsvRow, repeated_names: Container[str]) -> list[tuple[str, str]]:
-    """Return the mistakes in a row as pairs of column and message; `repeated_names` are names of several tests."""
+    """Return the mistakes in a row, as pairs of column and message; no test may have one of `repeated_names`."""
     mistakes = []
     name, outcome = row.texts.get("test"), row.texts.get(OUTCOME)
     is_perforated = None if outcome is None else perforates(outcome)
@@ -333,10 +333,10 @@ def _measurements(test: int, row: CsvRow) -> list[Measurement]:
 
 
 def _groups(rows: Sequence[CsvRow], scenario: Scenario, source: Source) -> list[MaterialGroup]:
-    """Group tests by projectile and materials; names and values that the scenario refuses are recorded as wrong."""
+    """Group tests, a row each, by projectile and materials; what the scenario refuses is recorded in `source`."""
     by_names: dict[tuple[tuple[str, str], ...], list[int]] = {}
     for i, row in enumerate(rows):
-        by_names.setdefault(tuple(_names(row).items()), []).append(i)
+        by_names.setdefault(tuple(_names_in(row).items()), []).append(i)
     groups: list[MaterialGroup] = []
     for names, where in by_names.items():
         try:
@@ -353,13 +353,13 @@ def _groups(rows: Sequence[CsvRow], scenario: Scenario, source: Source) -> list[
             for row in (rows[i] for i in where):
                 try:
                     values = {name: row.numbers[name] for name in INPUTS if name in row.numbers}
-                    scenario.replaced(_names(row)).with_inputs(values)
+                    scenario.replaced(_names_in(row)).with_inputs(values)
                 except InputError as error:
                     for problem in error.problems:
                         source.wrong(row.place, f"{problem.key}: {problem.message}")
     return groups
 
 
-def _names(row: CsvRow) -> dict[str, str]:
+def _names_in(row: CsvRow) -> dict[str, str]:
     """Return the names of projectile and materials in a row, by key."""
     return {key: row.texts[key] for key in NAMES.values() if key in row.texts}

@@ -62,7 +62,7 @@ def repeated(tests: Tests) -> Iterator[str]:
 
 
 def nothing_of_error(scenario: Scenario) -> str:
-    """Return the reason why an entry of a scenario that is calibrated without usable tests has no model error."""
+    """Return the reason why a calibrated entry has no model error: none of its tests could be used."""
     if settings := other_settings(scenario):
         return f"{NOTHING_OF_ERROR}: their limits were computed with {settings}"
     reasons = "none measured a limit, one is implausible for any lot, or their settings, armours or angles are not"
@@ -70,17 +70,17 @@ def nothing_of_error(scenario: Scenario) -> str:
 
 
 def _identity(cells: Mapping[str, float | str], usual: Mapping[str, float]) -> tuple[float, ...]:
-    """Return the values of the keys in `IDENTITY` from the cells of a test, or from `usual` where these lack them."""
+    """Return what identifies a test, the values of `IDENTITY`: its cells or, where blank, the `usual` ones."""
     # An empty cell is no value; a zero is one.
     values = {key: value for key, value in cells.items() if value != ""}
     return tuple(float(values.get(key, usual.get(key, 0.0))) for key in IDENTITY)
 
 
 def role_of(tests: Tests, fitted: Sequence[str]) -> str:
-    """Return the role of the material whose own tests can determine the model error; "" if none can.
+    """Return the role of the material whose own tests can determine the model error; "" if there is none.
 
-    None can if something else than a strength of ceramic or back plate was fitted, or settings differ from those of the
-    shipped tests.  `fitted` are the names of the fitted inputs.
+    There is none if something else than a strength of ceramic or back plate was fitted, or if settings of the model
+    differ from those of the shipped tests.  `fitted` are the names of the fitted inputs.
     """
     role, *other_roles = {name.partition(".")[0] for name in fitted}
     keys = {name.partition(".")[2] for name in fitted} - {"dynamic_yield_strength_MPa"}
@@ -89,16 +89,17 @@ def role_of(tests: Tests, fitted: Sequence[str]) -> str:
 
 
 def _variants_of(tests: Tests, measurements: Sequence[Measurement]) -> Variants:
-    """Return the armours of measurements of tests."""
+    """Return the armour and impact of each measurement, (n,), as variants."""
     places = np.argsort(np.concatenate([group.where for group in tests.groups]))
     all_variants = concatenated([group.variants() for group in tests.groups])
     return all_variants.at(places[[measurement.test for measurement in measurements]])
 
 
 def unused(tests: Tests, role: str) -> list[str]:
-    """Return for each measurement why it says nothing of the model error of the material in a role; "" if it does.
+    """Return for each measurement why it does not count for the model error of the material in a role; "" if it does.
 
-    Those that are unlike most others, as at another angle beyond those of the shipped tests, are not used.
+    Those that are unlike most others, such as those of long rods or at an angle beyond those of the shipped tests, do
+    not count.
     """
     shots = np.array([place for place, m in enumerate(tests.measurements) if m.quantity == LIMIT], dtype=np.int64)
     reasons = np.array(["it measured no ballistic limit"] * len(tests.measurements), dtype=object)
@@ -106,21 +107,23 @@ def unused(tests: Tests, role: str) -> list[str]:
     if not len(shots):
         return reasons.tolist()
     variants = _variants_of(tests, [tests.measurements[place] for place in shots])
-    q = variants.armours.quantities()
+    quantities = variants.armours.quantities()
 
     def leave_out(where: Any, reason: str) -> None:
+        """Give the measured limits `where`, a mask, a reason unless they have one."""
         reasons[shots[where & (reasons[shots] == "")]] = reason
 
-    is_bare = q["ceramic_thickness_ratio"] == 0.0
+    is_bare = quantities["ceramic_thickness_ratio"] == 0.0
     leave_out(is_bare & (role == "ceramic"), "it is of a bare plate")
     leave_out(~is_bare & (role == "backing"), "it is of an armour with a ceramic")
     evidence = tests_of_tiles()
     if role == "backing":
-        held = [(each, rows & each.holds(q)) for each, rows in variants.armours.by_evidence]
-        evidence, holds = max(held, key=lambda pair: (pair[1] & (reasons[shots] == "")).sum())
+        # The tests of plates that hold for most of the measurements still in use.
+        holding = [(each, rows & each.holds(quantities)) for each, rows in variants.armours.by_evidence]
+        evidence, holds = max(holding, key=lambda held: (held[1] & (reasons[shots] == "")).sum())
         leave_out(~holds, "no shipped test is of such a plate and penetrator")
     longest_path = (1.0 + 1e-6) / cosine_of(evidence.obliquity_max_deg)
-    angles = np.where(q["path_ratio"] > longest_path, _rounded(variants.cosines), 1.0)
+    angles = np.where(quantities["path_ratio"] > longest_path, _rounded(variants.cosines), 1.0)
     for values, reason in (
         (1.0 - is_long_rod(variants.armours.parameters), "it is of a long rod, or most are"),
         (angles, "it is at another angle than most"),
@@ -133,7 +136,7 @@ def unused(tests: Tests, role: str) -> list[str]:
 def own_tests(tests: Tests, fitted: Mapping[str, float], used: Sequence[int]) -> OwnTests | None:
     """Return the tests as stored in a calibrated entry; None if they do not determine the model error.
 
-    `fitted` has the fitted values by input, of the role that `role_of` returns.  `used` are the places of the
+    `fitted` has the fitted values by input, of the role that `role_of` returns.  `used` are the indices of the
     measurements that `unused` has no reason against.
     """
     shots = [tests.measurements[place] for place in used]
@@ -142,45 +145,49 @@ def own_tests(tests: Tests, fitted: Mapping[str, float], used: Sequence[int]) ->
     if not shots or entry is None:
         return None
     variants, velocities = _variants_of(tests, shots), np.array([shot.value for shot in shots])
-    q, sides = variants.armours.quantities(), np.array([float(shot.side) for shot in shots])
+    quantities, sides = variants.armours.quantities(), np.array([float(shot.side) for shot in shots])
     measured = np.where(sides == 0.0, velocities, np.nan)
     laws = _laws_of_plates(variants, entry) if role == "backing" else _laws_of_ceramic(variants, entry, measured)
     calibrated = scenario.with_inputs({name: float(f"{value:.6g}") for name, value in fitted.items()})
     values = armours_of(calibrated).quantities()
     scatter = [abs(m.side) * SHOT_SCATTER * m.value if m.uncertainty is None else m.uncertainty for m in shots]
-    q |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
+    quantities |= {"velocity_m_s": velocities, "uncertainty_m_s": np.array(scatter), "side": sides}
     series = [tuple(str(tests.cells[shot.test].get(name, "")) for name in SERIES_COLUMNS) for shot in shots]
     stored_keys = [*library.VARIED, *library.IN_COMMON, *library.TEST_RESULTS]
     stored_keys += [library.SERIES_KEY] * (len({*series}) > 1)
-    q[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
+    quantities[library.SERIES_KEY] = np.array([float(sorted({*series}).index(name)) for name in series])
     return OwnTests(
         source=f"{counted(len({shot.test for shot in shots}), 'test')} of {Path(tests.file).name}",
         calibrated={name: float(values[name][0]) for name in QUANTITIES_OF_ROLE[role]},
-        tests={name: _rounded(q[name]) for name in stored_keys},
+        tests={name: _rounded(quantities[name]) for name in stored_keys},
         law=laws,
     )
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
+    """Return values, (n,), with seven significant digits, as a library file has them."""
     return tuple(float(f"{value:.7g}") for value in values)
 
 
-def _limits(variants: Variants, role: str, values: Mapping[str, float]) -> Floats:
-    """Return the ballistic limits of variants, m/s, at any velocity, with `values`, by key, of the entry in a role."""
+def _limits_with(variants: Variants, role: str, values: Mapping[str, float]) -> Floats:
+    """Return the ballistic limits of variants, m/s, (n,), with `values`, by key, of the entry in a role.
+
+    They are searched for up to the greatest velocity, whatever the range of the scenario.
+    """
     ends = SLOWEST_M_S, FASTEST_M_S
     return ballistic_limits(variants.with_fields(law_parameters(role, values)), ends).clip(*ends)
 
 
 def _laws_of_plates(variants: Variants, entry: LibraryEntry) -> tuple[LawTests, ...]:
-    """Return the limits of bare plates by the strengths of their entry, for each fit to shipped tests of such."""
+    """Return the limits of bare plates computed with the strengths of their entry, for each fit to shipped plates."""
     [(evidence, _)] = variants.armours.by_evidence
     values = {key: float(f"{entry[key]:.7g}") for key in FITTED_KEYS["backing"]}
-    computed = _rounded(_limits(variants, "backing", values))
+    computed = _rounded(_limits_with(variants, "backing", values))
     return tuple(LawTests(fit=fit.name, values=values, computed_m_s=computed) for fit in evidence.fits)
 
 
 def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) -> tuple[LawTests, ...]:
-    """Return the limits of variants by each law of the flow stress of their ceramic.
+    """Return the computed limits of variants by each law of the flow stress of their ceramic.
 
     A ceramic with shipped tests has the flow stress fitted to these.  For any other, it is fitted to the limits
     `measured`, m/s, (n,), which are NaN for shots.  The level is then the mean and the standard deviation of the
@@ -194,17 +201,18 @@ def _laws_of_ceramic(variants: Variants, entry: LibraryEntry, measured: Floats) 
     by_law = []
     for name, values in laws.items():
 
-        def limits(shift: float, values: Mapping[str, float] = values) -> Floats:
+        def log_limits(shift: float, values: Mapping[str, float] = values) -> Floats:
+            """Return logarithms of limits, with the flow stress of a law raised by exp(shift)."""
             scaled = {**values, "flow_stress_GPa": values["flow_stress_GPa"] * ratio * np.exp(shift)}
-            return np.log(_limits(variants, "ceramic", scaled))
+            return np.log(_limits_with(variants, "ceramic", scaled))
 
         shift, slope = 0.0, 1.0
         for _ in range(0 if has_tests else STEPS):
-            slope = max(float((limits(shift + STEP) - limits(shift - STEP)).mean()) / (2.0 * STEP), LEAST_SLOPE)
+            slope = max(float((log_limits(shift + STEP) - log_limits(shift - STEP)).mean()) / (2.0 * STEP), LEAST_SLOPE)
             if not np.isnan(measured).all():
-                deviation = float(np.nanmean(np.log(measured) - limits(shift)))
+                deviation = float(np.nanmean(np.log(measured) - log_limits(shift)))
                 shift = float(np.clip(shift + deviation / slope, -np.log(FACTOR), np.log(FACTOR)))
         fitted = {**values, "flow_stress_GPa": float(f"{values['flow_stress_GPa'] * ratio * np.exp(shift):.7g}")}
         level = None if has_tests else (-slope * shift, slope * UNTESTED_DEVIATION)
-        by_law.append(LawTests(fit=name, values=fitted, level=level, computed_m_s=_rounded(np.exp(limits(shift)))))
+        by_law.append(LawTests(fit=name, values=fitted, level=level, computed_m_s=_rounded(np.exp(log_limits(shift)))))
     return tuple(by_law)

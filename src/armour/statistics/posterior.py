@@ -70,23 +70,26 @@ class FiringPrior(NamedTuple):
 
     @property
     def plausible_factor(self) -> float:
-        """Factor by which the scatter exceeds the expected one at most, unless it contradicts the prior."""
+        """Greatest factor by which the scatter may exceed the expected one without contradicting the prior."""
         return self.scatter_factor ** float(ndtri(0.5 + 0.5 * PLAUSIBLE))
 
     def log_density(self, v50: Floats, log_ratio: Floats) -> Floats:
-        """Return the log-density, up to a constant, at V50s, m/s, and logarithms of scatter / V50."""
+        """Return the log-density, up to a constant, at n V50s, m/s, and n logarithms of scatter / V50, (n,)."""
         z = (log_ratio - log(self.scatter_percent / 100.0)) / log(self.scatter_factor)
         return self.error.ratio.log_density(v50 / self.limit_m_s) - 0.5 * z * z
 
 
 def normalised(log_weights: Floats) -> Floats:
-    """Return weights that add up to 1, given their logarithms up to a constant."""
+    """Return weights, (points,), that add up to 1, given their logarithms up to a constant."""
     weights = np.exp(log_weights - log_weights.max())
     return weights / weights.sum()
 
 
 def expected(values: Floats, weights: Floats) -> Any:
-    """Return the means of `values`, (..., points), under n distributions, (n, points), or under one, (points,).
+    """Return the mean of values at the points of a grid, (points,), under each of n distributions, as (n,).
+
+    `weights`, (n, points), are the probabilities of the points; for one distribution, (points,), the mean is a number.
+    Values may differ from distribution to distribution, (n, points).
 
     Unlike in matrix products, the sums do not depend on the number of threads.
     """
@@ -94,14 +97,17 @@ def expected(values: Floats, weights: Floats) -> Any:
 
 
 class V50Grid(NamedTuple):
-    """Points of V50 and scatter, m/s, on a grid; the scatter varies fastest."""
+    """Points of V50 and scatter, m/s, on a grid, each a response curve; the scatter varies fastest."""
 
     v50_m_s: Floats  # (points,)
     scatter_m_s: Floats  # (points,)
     shape: tuple[int, int]  # nodes of V50 and of the scatter
 
     def log_likelihood(self, velocities_m_s: Sequence[float], complete: Sequence[bool]) -> Floats:
-        """Return the log-likelihood of shots by each point, (points,); `complete` is true for complete penetrations."""
+        """Return the log-likelihood of shots, m/s, by each point, (points,).
+
+        `complete` is true for complete penetrations.
+        """
         log_likelihood = np.zeros(len(self.v50_m_s))
         for velocity, result in zip(velocities_m_s, complete, strict=True):
             argument = (velocity - self.v50_m_s) / self.scatter_m_s
@@ -113,7 +119,10 @@ class V50Grid(NamedTuple):
         return ndtr((velocities_m_s[:, None] - self.v50_m_s) / self.scatter_m_s)
 
     def v50_quantiles(self, weights: Floats, probabilities: Sequence[float]) -> Floats:
-        """Return the quantiles of V50, m/s, at k probabilities under n distributions, (n, points), as (n, k)."""
+        """Return the quantiles of V50, m/s, at k probabilities under each of n distributions, (n, k).
+
+        `weights`, (n, points) or (points,), are the probabilities of the points.
+        """
         nodes = self.v50_m_s[:: self.shape[1]]
         node_weights = weights.reshape(-1, *self.shape).sum(axis=2)
         # On the scale of the normal distribution, a cumulative probability is nearly linear even between few nodes.
@@ -122,13 +131,13 @@ class V50Grid(NamedTuple):
 
 
 class Posterior(NamedTuple):
-    """Grid with the probability of each point."""
+    """Distribution of V50 and the scatter: a grid with the probability of each point."""
 
     grid: V50Grid
     weights: Floats  # (points,)
 
     def estimate(self, confidence: float) -> FiringEstimate:
-        """Return medians and intervals of V50 and the scatter, and the standard deviation of V50."""
+        """Return medians and intervals of V50 and the scatter, and the standard deviation of V50, m/s."""
         probabilities = (0.5, 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
         v50, slowest, fastest = self.grid.v50_quantiles(self.weights, probabilities)[0].tolist()
         scatter, least, greatest = self._scatter_quantiles(probabilities)
@@ -145,11 +154,11 @@ class Posterior(NamedTuple):
         return np.exp(np.interp(ndtri(probabilities), _normal_quantiles(below), log_scatters)).tolist()
 
     def variance(self, target: Floats) -> float:
-        """Return the variance of a quantity, given its values at the points, (points,)."""
+        """Return the variance of a quantity whose values at the points are `target`, (points,)."""
         return float(expected((target - expected(target, self.weights)) ** 2, self.weights))
 
     def density(self, velocities_m_s: Floats) -> Floats:
-        """Return the probability density of V50 at velocities, s/m; 0 beyond the grid."""
+        """Return the probability density of V50 at velocities, m/s, (n,), in s/m; it is 0 beyond the grid."""
         nodes = self.grid.v50_m_s[:: self.grid.shape[1]]
         node_weights = self.weights.reshape(self.grid.shape).sum(axis=1)
         return np.interp(velocities_m_s, nodes, node_weights / (nodes[1] - nodes[0]), left=0.0, right=0.0)
@@ -167,7 +176,8 @@ def posterior_of(
 ) -> Posterior:
     """Return the posterior of V50 and the scatter given shots, of which there may be none.
 
-    `complete` is true for complete penetrations; `nodes` are the numbers of V50s and of scatters in the grid.
+    The shots have `velocities_m_s`, and `complete` is true for complete penetrations; `nodes` are the numbers of V50s
+    and of scatters in the grid.
     """
     limit, velocities = prior.limit_m_s, np.array(velocities_m_s)
     low, high = prior.error.interval(limit, GRID_TAIL)
@@ -194,7 +204,7 @@ def posterior_of(
 
 
 def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
-    """Return the range of an axis that contains the nodes to keep, and one more node at each end."""
+    """Return the range of nodes, (n,), ascending, from one before the first `kept`, (n,), to one after the last."""
     indices = np.flatnonzero(kept)
     return float(axis[max(indices[0] - 1, 0)]), float(axis[min(indices[-1] + 1, len(axis) - 1)])
 
@@ -202,9 +212,10 @@ def narrowed(axis: Floats, kept: ArrayLike) -> tuple[float, float]:
 def learned(
     prior: Posterior, posterior: Posterior, confidence: float
 ) -> tuple[FiringEstimate, FiringEstimate, float, tuple[str, ...]]:
-    """Return the estimates without and with shots, the prior's share in the precision of V50, and warnings.
+    """Return the estimates by prior and posterior, the prior's share in the precision of V50, 0 to 1, and warnings.
 
-    The precision is the inverse of the variance.  There are warnings if the shots contradict the prior.
+    The precision is the inverse of the variance.  There is a warning for each quantity in which the shots contradict
+    the prior.  `confidence` is the level of the intervals.
     """
     before, after = prior.estimate(confidence), posterior.estimate(confidence)
     share = min(1.0, (after.standard_deviation_m_s / before.standard_deviation_m_s) ** 2)

@@ -59,6 +59,7 @@ class SensitivityResult(TableResult):
     notes: tuple[Note, ...] = ()
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: an input in each row, with its value and its elasticities."""
         return by_column({"input": item.input, "value": item.value, **item.elasticities} for item in self.inputs)
 
 
@@ -117,4 +118,5 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
 
 
 def _number(value: float) -> float | None:
+    """Return a value as Python's own number, None in place of NaN."""
     return None if isnan(value) else float(value)

@@ -118,6 +118,7 @@ class UncertaintyResult(TableResult):
     perforated_by_distributions: Estimate | None = None
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: the curve of the probability over velocity."""
         return {name: column for name, column in asdict(self.curve).items() if column is not None}
 
 
@@ -144,7 +145,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         If a sample has no ballistic limit in the range of the search.
     """
     section = sampling.section_of(scenario)
-    limits, of_shots = _limits(scenario, section, on_progress)
+    limits, of_shots = _sampled_limits(scenario, section, on_progress)
     exact = sampled(scenario, {}, 1)
     deterministic = float(sample_limits(exact)[0])
     error = model_error(exact.variants, deterministic)
@@ -164,7 +165,7 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
         curve=probability_curve(of_shots, None if error is None else error.greatest_probability),
         inputs=tuple(_influences(scenario, section, deterministic, error)),
         notes=(
-            *_misplaced(section, scenario.inputs()),
+            *_distribution_notes(section, scenario.inputs()),
             *([] if error or scenario.excludes_error() else [ERROR_UNKNOWN]),
             *scenario_warnings(scenario),
         ),
@@ -173,8 +174,11 @@ def uncertainty(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     ).of(scenario.subject(), scenario=scenario)
 
 
-def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:
-    """Yield a warning for each distribution without the scenario's value, or with a mean that truncation moves."""
+def _distribution_notes(section: Uncertainty, values: Mapping[str, float]) -> Iterator[Note]:
+    """Yield a warning for each distribution that does not contain the scenario's value, or whose mean truncation moves.
+
+    `values` are those of the scenario's inputs, by name.
+    """
     for name, distribution in section.inputs().items():
         if name in values:
             if not distribution.contains(values[name]):
@@ -183,10 +187,11 @@ def _misplaced(section: Uncertainty, values: Mapping[str, float]) -> Iterator[No
                 yield Note(f"truncation moves its mean from {means[0]:g} to {means[1]:.4g}", f"uncertainty.{name}")
 
 
-def _limits(scenario: Scenario, section: Uncertainty, on_progress: OnProgress) -> Floats:
-    """Return ballistic limits and the velocities below which a shot is stopped, m/s, (2, samples).
+def _sampled_limits(scenario: Scenario, section: Uncertainty, on_progress: OnProgress) -> Floats:
+    """Return for each sample the ballistic limit and the velocity below which its single shot is stopped, m/s.
 
-    The inputs are sampled from the distributions of a section.
+    The array is (2, samples): limits, and limits with the scatter of shots.  The inputs are sampled from the
+    distributions of the section ``uncertainty``; `on_progress` gets the number of samples computed, and of all.
     """
     points, values = sampling.points_of(section), sampling.own_values(scenario)
     limits = np.empty((2, len(points)))
@@ -200,7 +205,7 @@ def _limits(scenario: Scenario, section: Uncertainty, on_progress: OnProgress) -
 
 
 def sample_limits(samples: Samples) -> Floats:
-    """Return the ballistic limit of each sample, m/s; every sample must have one in the range of the search."""
+    """Return the ballistic limit of each sample, m/s, (samples,); raise a NoLimitError if one has none."""
     limits: Floats = ballistic_limits(samples.variants) * samples.factor
     if np.isinf(limits).any():
         search = samples.variants.scenario.ballistic_limit
@@ -211,46 +216,50 @@ def sample_limits(samples: Samples) -> Floats:
     return limits
 
 
-def _share(hits: Bools) -> Estimate:
-    """Estimate the probability of a hit from replicates; `hits`, (samples,), tells which samples are hits."""
+def _probability_of(hits: Bools) -> Estimate:
+    """Estimate the probability of an event, with its interval; `hits`, (samples,), tells in which samples it happens.
+
+    The samples are split into replicates of the random points, whose spread gives the interval.
+    """
     parts = np.array_split(hits, sampling.REPLICATES)
     return proportion_of_replicates([int(part.sum()) for part in parts], [len(part) for part in parts])
 
 
 def quantile(limits: Floats, probability: float) -> Estimate:
-    """Estimate the quantile of `limits`, (samples,), at a probability, with the interval of Woodruff.
+    """Estimate the quantile of limits, m/s, (samples,), at a probability, with the interval of Woodruff.
 
     The probability of limits up to the quantile is estimated first: unlike a quantile, it has no bias in small
     replicates.  The quantiles at the ends of its interval are the ends of the interval of the quantile.
     """
     value = float(np.quantile(limits, probability))
-    below = _share(limits <= value)
+    below = _probability_of(limits <= value)
     ends = np.array([below.low, below.high]) - below.value + probability
     low, high = np.quantile(limits, np.clip(ends, 0.0, 1.0)).tolist()
     return Estimate(value, low, high)
 
 
-def probability_curve(limits: Floats, greatest: float | None) -> ProbabilityCurve:
-    """Estimate the probability of perforation over velocity, with pointwise intervals, from limits, m/s, (samples,).
+def probability_curve(limits: Floats, greatest_probability: float | None) -> ProbabilityCurve:
+    """Estimate the probability of perforation over velocity, with pointwise intervals, from limits of shots, m/s.
 
-    `greatest` is the greatest probability of stopping that is stated; None if no probability is known.
+    `limits`, (samples,), are the velocities below which the sampled shots are stopped; `greatest_probability` is the
+    greatest probability of stopping that is stated, None if no probability is known.
     """
     lowest, highest = limits.min(), limits.max()
     margin = 0.05 * (highest - lowest) + 1.0
     velocities = np.linspace(lowest - margin, highest + margin, 121)
-    least = 0.0 if greatest is None else 1.0 - greatest
-    estimates = [_share(limits <= velocity).at_least(least) for velocity in velocities]
+    least_probability = 0.0 if greatest_probability is None else 1.0 - greatest_probability
+    estimates = [_probability_of(limits <= velocity).at_least(least_probability) for velocity in velocities]
     value, low, high = (tuple(getattr(each, key) for each in estimates) for key in ("value", "low", "high"))
-    known, alone = (None, value) if greatest is None else (value, None)
+    known, alone = (None, value) if greatest_probability is None else (value, None)
     return ProbabilityCurve(tuple(velocities.tolist()), known, alone, low, high)
 
 
 def _influences(
     scenario: Scenario, section: Uncertainty, deterministic: float, error: ModelError | None
 ) -> list[Influence]:
-    """Return the ballistic limits, m/s, with each input in turn at two quantiles; the widest range comes first.
+    """Return the ballistic limits, m/s, with each uncertain input in turn at two quantiles; the widest range is first.
 
-    `deterministic` is the limit with the scenario's own values.
+    `deterministic` is the limit with the scenario's own values, m/s; `error` is another input, unless it is None.
     """
     values, found = scenario.inputs(), list[Influence]()
     for name, distribution in section.inputs().items():

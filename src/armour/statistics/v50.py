@@ -348,19 +348,20 @@ class FiringResult(TableResult):
         ]
 
     def _columns(self) -> dict[str, Any]:
+        """Return the columns of the table: a fitted curve in each row."""
         return by_column(vars(fit) for fit in (*self.penalised_fits, *self.fits))
 
 
 @dataclass(frozen=True, repr=False)
 class LotResults(EachResult):
-    """V50 of each of several lots, and the differences of all pairs of them.
+    """V50 of each of several lots, and the differences of every two of them.
 
     Attributes
     ----------
     differences : mapping of str to V50Difference
         By the names of both lots, as "lot B minus lot A".  The intervals of all together have the confidence level of
-        the results: of n pairs, each interval is of the level at which n times fewer are wrong, and each p value is n
-        times that of the pair alone.
+        the results: of n differences, each interval is of the level at which n times fewer are wrong, and each p value
+        is n times that of the two lots alone.
     """
 
     differences: Mapping[str, V50Difference]
@@ -372,12 +373,15 @@ class LotResults(EachResult):
 
 
 def compared(results: Mapping[str, FiringResult], unanswered: Mapping[str, str]) -> LotResults:
-    """Return the results of lots with the differences of all pairs; `unanswered` says why others have no V50."""
+    """Return the results of lots, by name, with the differences of every two of them.
+
+    `unanswered` says, by name, why other lots have no V50.
+    """
     lots = {name: result for name, result in results.items() if result.recommended is not None}
-    pairs, differences = [*combinations(lots.items(), 2)], {}
-    for (first, one), (second, other) in pairs:
-        found = one.difference(other, 1.0 - (1.0 - one.confidence) / len(pairs))
-        p_value = min(found.p_value * len(pairs), 1.0)
+    comparisons, differences = [*combinations(lots.items(), 2)], {}
+    for (first, one), (second, other) in comparisons:
+        found = one.difference(other, 1.0 - (1.0 - one.confidence) / len(comparisons))
+        p_value = min(found.p_value * len(comparisons), 1.0)
         differences[f"{second} minus {first}"] = replace(found, p_value=p_value)
     return LotResults(results, unanswered, differences)
 
@@ -426,7 +430,7 @@ def read_shots(
 
 
 def is_of_shots(name: str) -> bool:
-    """Return whether a name is that of a column of a table of shots."""
+    """Return whether a text names a column of a table of shots."""
     return column_of(name, SHOT_COLUMNS).known
 
 
@@ -465,7 +469,10 @@ def shots_of(
 def lots_of(
     path: Table, column: str, where: Mapping[str, str], sheet: str | None, ignore: Sequence[str]
 ) -> list[tuple[str, str]]:
-    """Return each value that a column has in the shots that count, after the name of the column in the table."""
+    """Return the lots of a table of shots: the values that a column has in shots that count, each after its name.
+
+    `column` may be any usual name of the column of lots; the other arguments are those of `read_shots`.
+    """
     source = csv_files.open_table(path, is_of_shots, sheet)
     lines = [*source.lines]
     source.lines = iter(lines)
@@ -545,10 +552,10 @@ def v50(
     partial, complete = shots.of(complete=False), shots.of(complete=True)
     # With a prior, shots that have no curve are informative too.
     have_curves = not prior or curves.has_curve(partial, complete)
-    fits = _curves(partial, complete, confidence, penalised=False) if have_curves else []
-    penalised_fits = _curves(partial, complete, confidence, penalised=True) if have_curves else []
+    fits = _rising_curves(partial, complete, confidence, penalised=False) if have_curves else []
+    penalised_fits = _rising_curves(partial, complete, confidence, penalised=True) if have_curves else []
     likelihood, recommended = penalised_fits[0] if penalised_fits else (None, None)
-    level, interval = _bounded(likelihood, confidence) if likelihood else (None, None)
+    level, interval = _bounded_v50(likelihood, confidence) if likelihood else (None, None)
     at, velocity_of = None, None
     if likelihood and recommended and at_m_s is not None:
         chances = likelihood.probability_interval(at_m_s, confidence)
@@ -592,7 +599,7 @@ def v50(
         notes=(
             *map(Note, doubts(shots, model)),
             *(Note(wrong, TARGET) for wrong in (of_another(shots, scenario) if scenario else ())),
-            *(() if model is None else (*map(Note, (*_far_away(shots, model), *contradictions)), *model.notes)),
+            *(() if model is None else (*map(Note, (*_far_shots(shots, model), *contradictions)), *model.notes)),
         ),
         prior=prior_estimate,
         posterior=posterior_estimate,
@@ -603,7 +610,7 @@ def v50(
         extrapolated=recommended is not None
         and level is None
         and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s),
-        further=_further(partial, complete, confidence) if likelihood and level != confidence else None,
+        further=_further_shot(partial, complete, confidence) if likelihood and level != confidence else None,
         at=at,
         velocity_of=velocity_of,
         requirement_m_s=requirement_m_s,
@@ -616,16 +623,23 @@ def v50(
     ).of(subject, scenario=scenario, shots=shots)
 
 
-def _curves(
+def _rising_curves(
     partial: Sequence[float], complete: Sequence[float], confidence: float, *, penalised: bool
 ) -> list[tuple[ShotLikelihood, FittedCurve]]:
-    """Return the likelihood and the curve by each link, probit and logit, without penalised curves that do not rise."""
+    """Return the likelihood and the likeliest curve by each link, probit and logit, without curves that do not rise.
+
+    `partial` and `complete` are ascending velocities, m/s; the likelihoods are `penalised` or not, and `confidence` is
+    the level of the intervals.
+    """
     likelihoods = (ShotLikelihood(partial, complete, link, penalised=penalised) for link in curves.CDFS)
     return [(shots, curve) for shots in likelihoods if (curve := curves.curve_of(shots, confidence))]
 
 
-def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
-    """Return the highest level up to `confidence` at which the interval of V50 is bounded, and this interval, m/s."""
+def _bounded_v50(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[float, float]] | tuple[None, None]:
+    """Return the highest confidence level at which V50 has a bounded interval, and this interval, m/s; None if none.
+
+    The level is `confidence` or, below it, one of LOWER_LEVELS.
+    """
     for level in (confidence, *(level for level in LOWER_LEVELS if level < confidence)):
         low, high = shots.velocity_interval(0.0, level)
         if low is not None and high is not None:
@@ -633,8 +647,8 @@ def _bounded(shots: ShotLikelihood, confidence: float) -> tuple[float, tuple[flo
     return None, None
 
 
-def _further(partial: Sequence[float], complete: Sequence[float], confidence: float) -> FurtherShot:
-    """Return the one further result, at a velocity near the shots, that would bound V50 best.
+def _further_shot(partial: Sequence[float], complete: Sequence[float], confidence: float) -> FurtherShot:
+    """Return the one further result, complete or partial, at a velocity near the shots, that would bound V50 best.
 
     It is the result that makes a constant probability least likely, compared with the likeliest curve.
     """
@@ -652,15 +666,16 @@ def _further(partial: Sequence[float], complete: Sequence[float], confidence: fl
                     best = shots, velocity, perforated is not complete
     assert best is not None  # the shots have a curve, and still have one with a further slow partial penetration
     shots, velocity, is_complete = best
-    return FurtherShot(velocity, is_complete, *_bounded(shots, confidence))
+    return FurtherShot(velocity, is_complete, *_bounded_v50(shots, confidence))
 
 
 def decided(
     shots: ShotLikelihood | None, requirement_m_s: float | None, fraction: float, confidence: float
 ) -> tuple[Decision, float | None, float | None]:
-    """Return whether a requirement is met, and the risks of accepting and of rejecting the armour now.
+    """Return the decision on a requirement, and the risks of accepting and of rejecting the armour now, 0 to 1.
 
-    A risk is 1 minus the confidence at which a one-sided bound by the recommended curve is the required velocity.
+    The requirement is that the velocity at which `fraction` of the shots perforate exceeds `requirement_m_s`.  A risk
+    is 1 minus the confidence at which a one-sided bound by the recommended curve is the required velocity.
     """
     if requirement_m_s is None:
         return "", None, None
@@ -673,9 +688,9 @@ def decided(
 
 
 def doubts(shots: Shots, model: LimitResult | None) -> Iterator[str]:
-    """Yield remarks on shots that are not read, and a warning of velocities in ft/s or without a decimal point.
+    """Yield warnings of shots that may be wrong: remarks in columns that are not read, velocities in ft/s, outliers.
 
-    `model` has the limit by the model, if there is one.
+    `model` has the limit by the model, with which the velocities are compared; None without one.
     """
     yield from shots.read.warnings if shots.read else ()
     if not shots.complete:
@@ -692,13 +707,13 @@ def doubts(shots: Shots, model: LimitResult | None) -> Iterator[str]:
 
 
 def of_another(shots: Shots, scenario: Scenario) -> Iterator[str]:
-    """Yield what is wrong if the shots were fired at another armour, or with another round, than the scenario's."""
+    """Yield the message that shots were fired at another armour, or with another round, than the scenario's, if so."""
     if shots.target not in ("", subject := scenario.subject(ANY_VELOCITY)):
         yield f"must be the scenario's, {subject}, found {shots.target}"
 
 
-def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
-    """Yield a warning if all shots, in m/s, lie on one side of the interval of the model's limit."""
+def _far_shots(shots: Shots, model: LimitResult) -> Iterator[str]:
+    """Yield a warning if all shots lie on one side of the model's 95 % interval of the limit, unless in ft/s."""
     low, high = model.interval_m_s or (-inf, inf)
     slowest, fastest = min(shots.velocities_m_s), max(shots.velocities_m_s)
     if (slowest > high or fastest < low) and not feet_note(median(shots.velocities_m_s), model.ballistic_limit_m_s):
@@ -709,9 +724,10 @@ def _far_away(shots: Shots, model: LimitResult) -> Iterator[str]:
 
 
 def check_shots(shots: Shots, *, kinds: int, decides: bool = False) -> None:
-    """Check velocities and results of shots, from a file or not; at least `kinds` of the two kinds must be present.
+    """Raise an InputError unless the velocities and results of shots, from a file or not, can be used.
 
-    Where they decide on a requirement, no column that is not read may have remarks on them.
+    At least `kinds` of the two kinds, partial and complete, must be present.  If the shots decide on a requirement, as
+    `decides` tells, no column that is not read may have remarks on them.
     """
     velocities = shots.velocities_m_s
     count, message = len(shots.complete), ""
@@ -753,9 +769,11 @@ def check_not_swapped(shots: Shots) -> None:
 def mean_v50(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> MeanV50 | None:
-    """Compute the mean of MIL-STD-662F from ascending velocities, m/s; None if there are too few within the span.
+    """Compute the mean of MIL-STD-662F from ascending velocities, m/s; None if too few lie within the span.
 
-    `pairs` is the number of shots of each kind, by default 5, 3 or 2; for any other number the span must be given.
+    The velocities are those of `partial` and of `complete` penetrations; `span_m_s` is the greatest span allowed.
+    `pairs` is the number of shots of each kind, by default the first of 5, 3 and 2 that the span allows; for any other
+    number the span must be given.
     """
     return next((mean for mean in means_of(partial, complete, pairs, span_m_s) if mean.is_allowed), None)
 
@@ -763,7 +781,10 @@ def mean_v50(
 def means_of(
     partial: Sequence[float], complete: Sequence[float], pairs: int | None = None, span_m_s: float | None = None
 ) -> tuple[MeanV50, ...]:
-    """Compute the means that `mean_v50` tries: those of shots whose span exceeds the one allowed, and its own."""
+    """Compute the means that `mean_v50` tries, in order: those of shots too far apart, and the allowed one, if any.
+
+    The arguments are those of `mean_v50`.
+    """
     means = []
     for count in SPANS_M_S if pairs is None else (pairs,):
         velocities = [*partial[-count:], *complete[:count]]
