@@ -29,7 +29,7 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import FiringResult, Shots, v50
-from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSection
+from armour.validation.figures import Figure, FigureLine, FigureMark, FigureSection
 from tests.analysis.results import impact as impact_result
 from tests.design.results import best_of
 from tests.helpers.cases import scenario, shipped_scenario
@@ -240,7 +240,7 @@ def figure() -> Figure:
     curves = {"A": (1.0, None, 9.0), "B": (2.0, 3.0, 4.0)}
     printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
     marks = [printed, FigureMark(label="another", points=[[6.0, 2.0]])]
-    levels = [FigureLevel(label="L", value=5.0)]
+    levels = [FigureLine(label="L", value=5.0)]
     words: dict[str, Any] = {"title": "T", "x_label": "each, mm", "y_label": "residual velocity, m/s"}
     section = FigureSection.model_construct(mark=marks, level=levels, **words)
     return Figure(section, (4.0, 6.0, 8.0), curves)
