@@ -115,7 +115,10 @@ def reads_of(names: Iterable[str]) -> set[str]:
 
 
 def with_round(reads: Iterable[str]) -> set[str]:
-    """Return what a quantity depends on, given its `reads`, with projectile and armour, which threats may replace."""
+    """Return all that a quantity depends on, given its `reads`: also projectile and armour, unless it reads threats.
+
+    Threats replace the projectile, and a quantity that reads them names the keys of the armour itself.
+    """
     reads = {*reads}
     return reads if "threat" in reads else {*ROUND_AND_ARMOUR, *reads}
 

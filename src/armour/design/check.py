@@ -399,7 +399,7 @@ def _checked_threat(
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
     probability, sampled = probability_by_tests(against, limit, error), None
-    greatest = 1.0 if error is None else error.greatest_probability
+    greatest_probability = 1.0 if error is None else error.greatest_probability
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
@@ -408,6 +408,7 @@ def _checked_threat(
     if lowest_limit >= threat.required_m_s:
         lowest_limit = row.lowest_limits(lowest_limit)
     expected = expected_limit = result.expected_limit_m_s
+    # The verdict is on the expected limit that belongs to the lowest one; the result shows that of the usual scan.
     if error is not None and lowest_limit[0] != limit:
         expected = float(row.shot_distributions(lowest_limit).quantile(0.5)[0])
     standing = Standing(
@@ -415,7 +416,7 @@ def _checked_threat(
         expected,
         not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
         probability,
-        greatest,
+        greatest_probability,
         sampled,
     )
     verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
@@ -428,7 +429,7 @@ def _checked_threat(
         stopping = probability_of_stopping(changed, found.ballistic_limit_m_s, found.model_error)
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
-    if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
+    if limit is not None and error is not None and greatest_probability >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
     shown = shown_limit(limit, expected_limit)
     if needed and probability is None:
@@ -444,7 +445,7 @@ def _checked_threat(
         interval_m_s=result.interval_m_s,
         margin_m_s=None if shown is None else shown - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
-        probability_of_stopping=None if probability is None else min(probability, greatest),
+        probability_of_stopping=None if probability is None else min(probability, greatest_probability),
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
@@ -453,7 +454,7 @@ def _checked_threat(
         verdict=verdict,
         what_ifs=tuple(what_ifs),
         requirements=requirements,
-        sampled=sampled and sampled.at_least(1.0 - greatest),
+        sampled=sampled and sampled.at_least(1.0 - greatest_probability),
         far_from_tests=tuple(map(str, far_from_tests(against, row.armours))),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,

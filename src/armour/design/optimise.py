@@ -374,14 +374,14 @@ def _pairs_in_order(designs: Designs, place: int, shown: BestDesign, least: int)
     catalogue, least_value = designs.catalogue, float(designs.values[place])
     best_is_known = least > FAILS and bool(designs.known(np.array([place]))[0])
     # Only possible runners-up are sampled, as each design takes thousands of impacts.
-    greatest = least_value * (1.0 + catalogue.section.runners_up_percent / 100.0) if catalogue.sampled else inf
+    greatest_value = least_value * (1.0 + catalogue.section.runners_up_percent / 100.0) if catalogue.sampled else inf
     pairs, few = [], len(catalogue.offers) <= MOST_SHOWN
     for index, offer in enumerate(catalogue.offers):
         found = excess = design = None
         is_known = True
         if least > FAILS:
             possible = designs.of_pair(index)
-            found = designs.first(designs.known_first(possible[designs.values[possible] <= greatest]), least)
+            found = designs.first(designs.known_first(possible[designs.values[possible] <= greatest_value]), least)
             if found is None:
                 found = designs.first(possible[~designs.known(possible)], NOT_KNOWN)
         is_nearest = found is None

@@ -117,14 +117,14 @@ def against_threat(
     if expected_m_s is None and margin_m_s >= threat.margin_m_s and not standing.stops:
         margin_m_s -= scenario.ballistic_limit.tolerance_m_s
     reaches = margin_m_s >= threat.margin_m_s
-    short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
+    verdict_if_short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
     if threat.margin_m_s > 0.0:
-        by_margin: Verdict = "passes" if reaches else short
+        by_margin: Verdict = "passes" if reaches else verdict_if_short
         rows.append(Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, by_margin))
     least, probability, interval = EVEN if bound is None else 1.0 - bound, standing.probability, None
     verdict: Verdict
     if probability is None:
-        verdict = "not known" if reaches else short
+        verdict = "not known" if reaches else verdict_if_short
     elif bound is not None and standing.sampled is not None:
         sampled = standing.sampled.at_least(1.0 - standing.greatest)
         verdict, interval = verdict_of_samples(standing.sampled, bound), (1.0 - sampled.high, 1.0 - sampled.low)
@@ -139,7 +139,7 @@ def against_threat(
         verdict = "expected to stop" if verdict == "passes" else verdict
     elif reaches:
         verdict = "stopped by the model"
-    elif short == "fails":
+    elif verdict_if_short == "fails":
         verdict = "perforated by the model"
     return verdict_of((verdict, *(row.verdict for row in rows))), tuple(rows)
 

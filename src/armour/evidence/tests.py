@@ -318,7 +318,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
     words += ", for another laboratory or series" * ("series" in tested)
     is_new = own_tests.law[0].level is not None
-    kind, measured = _ranges_with(own_tests, tested, shipped, is_new=is_new)
+    kind, measured = _ranges_with_own_tests(own_tests, tested, shipped, is_new=is_new)
     return shipped._replace(
         title=f"{words}, taken to scatter like {shipped.title}" if is_new else f"{shipped.title} and {words}",
         laws=(),
@@ -337,7 +337,7 @@ def _kind_without_calibrated(shipped: Evidence, own_tests: OwnTests) -> tuple[Da
     return tuple(each for each in shipped.kind if each.name not in ("tensile_ratio", *own_tests.calibrated))
 
 
-def _ranges_with(
+def _ranges_with_own_tests(
     own_tests: OwnTests, tested: Mapping[str, Any], shipped: Evidence, *, is_new: bool
 ) -> tuple[tuple[DataRange, ...], tuple[DataRange, ...]]:
     """Return the ranges that define the kind of armour for which own tests of a lot hold, and those of the tests.
