@@ -159,7 +159,7 @@ class QuantityValues:
 
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
-        """Ends of the impacts."""
+        """Outcome and final state of each impact."""
         return self.variants.impacts()
 
     @cached_property
@@ -169,7 +169,7 @@ class QuantityValues:
 
     @cached_property
     def ballistic_limits(self) -> Floats:
-        """Ballistic limits, m/s; NaN for none in the range searched."""
+        """Ballistic limits, m/s; NaN for none in the range of the section ``ballistic_limit``."""
         limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
 

@@ -41,8 +41,8 @@ class Result:
     question : mapping
         What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
         ``shots``; ``name`` and ``labels`` of an offer; ``confidence``, the result that has the probability of an
-        impact; ``changed``, equations that are not those of this program, in words; ``every_row``, whether to show all
-        rows.  Each may be missing.
+        impact; ``changed``, equations that are not those of this program, in words; ``every_row``, whether to
+        show details and all rows (option -v).  Each may be missing.
     """
 
     question: ClassVar[Mapping[str, Any]] = {}

@@ -43,6 +43,8 @@ class Thinnest(NamedTuple):
 
 
 class _Rows(NamedTuple):
+    """Columns of `Variants`, which adds the methods: a named tuple cannot have cached properties."""
+
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)

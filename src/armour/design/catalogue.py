@@ -197,7 +197,7 @@ class Catalogue:
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
-        """Return the quantity that the section minimises, of each design, (n,)."""
+        """Return what the section ``design`` minimises, such as the areal density, of each design, (n,)."""
         return getattr(candidates, self.section.minimise)
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
@@ -236,7 +236,7 @@ class Catalogue:
 
 
 def asks_for_design(scenario: Scenario) -> bool:
-    """Return whether a scenario asks for a design, and not only about its own armour."""
+    """Return whether a scenario asks to search for a design, and not only about its own armour."""
     section = scenario.design
     return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 

@@ -141,7 +141,10 @@ class CheckedThreat:
     probability_v50_exceeds_velocity: float | None = None
 
     def as_given(self) -> WhatIf:
-        """Return the armour without a change, to list it with them; its probability is that with exact inputs."""
+        """Return the answer for the armour as it is, to list it above those with changes.
+
+        As theirs, its probability of stopping is that with exact inputs.
+        """
         limit, error, probability = self.ballistic_limit_m_s, self.model_error, self.probability_of_stopping
         if self.sampled is not None:
             probability = None
@@ -250,7 +253,7 @@ def _order_of_decision(threat: CheckedThreat) -> tuple[int, float]:
 
 
 def deciding(result: CheckResult) -> CheckedThreat:
-    """Return the answer for the threat that decides the verdict on an armour, of equal ones the nearest to failing."""
+    """Return the answer for the threat that decides the verdict on an armour: the worst one."""
     return min(result.threats, key=_order_of_decision)
 
 

@@ -110,9 +110,8 @@ def stopped(rows: Variants, runs: Runs) -> Bools:
 def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
     """Return whether the probability of perforation of each of n rows is at most its bound, (n,).
 
-    The model errors of the rows must be known.
-    One impact by each law of the flow stress decides if the laws agree, which is usual.  For the other rows, the
-    probability is computed from the ballistic limits by the laws.
+    The model errors of the rows must be known.  One impact by each law of the flow stress decides if the laws agree,
+    which is usual.  For the other rows, the probability is computed from the ballistic limits by the laws.
     """
     errors = rows.errors
     by_any, by_all = np.zeros(len(bounds), dtype=bool), np.ones(len(bounds), dtype=bool)
@@ -214,7 +213,7 @@ class Designs:
         return self._verdicts[where]
 
     def known(self, where: Ints) -> Bools:
-        """Return whether the model error of each design is known against every threat."""
+        """Return whether the model error of each design is known against every threat, (designs,)."""
         self.verdicts(where)
         return self._known[where]
 

@@ -419,7 +419,10 @@ def _pair_order(pair: Pair) -> tuple[bool, bool, float, float]:
 
 
 def _subject(catalogue: Catalogue, *, is_found: bool) -> str:
-    """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
+    """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s".
+
+    Unless a design `is_found`, it begins with "Search for".
+    """
     varied: Varied = {
         NAMES["ceramic"]: [offer.ceramic.material for offer in catalogue.offers],
         NAMES["backing"]: [offer.backing.material for offer in catalogue.offers],

@@ -102,7 +102,7 @@ TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
 
 
 def matrix_of(terms: Sequence[str], reference: Sequence[float], q: Quantities) -> Floats:
-    """Return the values of the named terms for n armours, (n, terms)."""
+    """Return the values of the terms named in `TERMS` for n armours, (n, terms); `reference` is that of a `Fit`."""
     return np.column_stack([TERMS[term](q, reference) for term in terms])
 
 
@@ -335,9 +335,10 @@ def mixture_of(
 
 
 def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
-    """Combine distributions of n limits, each with locations and squared scales, (n,), into one that is not higher.
+    """Return a distribution of n limits that is nowhere higher than any of those given.
 
-    Return its location, squared scale, and factor of the scale above the location, (n,) each.  The probability that a
+    Each of these has locations and squared scales, (n,).  The result has location, squared scale, and factor of the
+    scale above the location, (n,) each.  The probability that a
     limit exceeds a velocity is then at most that by each of the given distributions.
     """
     means, variances = (np.array(columns) for columns in zip(*given, strict=True))
@@ -387,11 +388,11 @@ def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
 def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
-    """Replace the outcomes of n shots by normal measurements of their limits, by expectation propagation.
+    """Return normal measurements of limits that stand for the outcomes of n shots, by expectation propagation.
 
     Before the shots, the limits have a normal distribution with `mean`, (n,), and `covariance`, (n, n).  Each limit
     lies above the place of its shot, side 1, or below it, side -1, apart from an error with one of the `variances`.
-    Return means and variances of the measurements, (n,), and the logarithm of the probability of the outcomes.
+    The results are means and variances of the measurements, (n,), and the logarithm of the probability of the outcomes.
     """
     n = len(mean)
     from scipy.special import log_ndtr  # slow to import

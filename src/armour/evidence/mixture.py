@@ -74,7 +74,7 @@ class Mixture(NamedTuple):
         return self.mapped(lambda array: array[:, place])
 
     def mapped(self, function: Callable[[Floats], Floats]) -> "Mixture":
-        """Apply a function to every array of the mixture; return the new mixture."""
+        """Return the mixture with a function applied to each of its arrays, such as one that selects armours."""
         weights, locations, scales, freedom = map(function, self[:4])
         narrowed = self.narrowed if isinstance(self.narrowed, float) else function(self.narrowed)
         return Mixture(weights, locations, scales, freedom, self.logarithmic, narrowed)
@@ -216,7 +216,10 @@ def _constants(freedom: Floats) -> Floats:
 
 @lru_cache(1000)
 def _constant(freedom: float) -> float:
-    """Return Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi)), by its series if there are many."""
+    """Return the density over the angle at 0, Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi)).
+
+    From 200 degrees of freedom on, a series gives it, as differences of large logarithms would lose digits.
+    """
     half = 0.5 * freedom
     if half < 100.0:
         return float(np.exp(lgamma(half + 0.5) - lgamma(half)) / np.sqrt(np.pi))

@@ -218,6 +218,8 @@ class Materials(NamedTuple):
 
 
 class _Rows(NamedTuple):
+    """Columns of `Armours`, which adds the methods: a named tuple cannot have cached properties."""
+
     parameters: Parameters  # of the core, arrays, (n,)
     cosines: Any  # of the obliquities, (n,)
     material_of_row: Any  # index of the materials of each armour, (n,)

@@ -273,7 +273,7 @@ class _Row(NamedTuple):
 
 
 def _rows_of_suite(suite: SuiteSection) -> Iterator[_Row]:
-    """Yield the rows of the tables of a suite, then its cases, and then its tables with files."""
+    """Yield a `_Row` for each row of the tables of a suite, then for its cases, and then for its tables with files."""
     for index, table in enumerate(suite.table):
         column = table.columns.index(EXPECTED) if table.rows else 0
         for row_index, numbers in enumerate(table.rows):

@@ -83,12 +83,14 @@ class _Expectation(Section):
     @field_validator("quantity")
     @classmethod
     def _check_quantity(cls, quantity: str) -> str:
+        """Check that the quantity is one that a suite may ask for."""
         if quantity not in QUESTIONS:
             raise ValueError(f'must name a quantity, found "{quantity}"{choices(quantity, list(QUESTIONS))}')
         return quantity
 
     @model_validator(mode="after")
     def _check_bands(self) -> "_Expectation":
+        """Check that there is one band where one is needed, and none for words."""
         bands = [key for key in ("band", "band_percent") if getattr(self, key) is not None]
         if self.quantity in WORDS:
             if bands:
@@ -116,6 +118,7 @@ class CaseSection(_Expectation):
 
     @model_validator(mode="after")
     def _check_expected(self) -> "CaseSection":
+        """Check that the expected value, and what else is given, fits the quantity."""
         # A regression value has no expected value until an update fills it in.
         if self.expected is not None and self.quantity == "outcome":
             if perforates(str(self.expected)) is None:
@@ -144,6 +147,7 @@ class TableSection(_Expectation, GroupSection):
 
     @model_validator(mode="after")
     def _check_rows(self) -> "TableSection":
+        """Check that the table has rows or a file, the keys that belong to it, and columns that fit."""
         if self.quantity in (*SAVINGS, *WORDS):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
         if self.rms_band is not None and self.rms_band_percent is not None:

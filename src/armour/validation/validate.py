@@ -267,9 +267,10 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
 
 
 def _values_for_tests(cases: Sequence[Case]) -> dict[int, float | None]:
-    """Compute all cases that are rows of files of tests, in one batch for each scenario, quantity and set of inputs.
+    """Return the computed values of the cases that are rows of files of tests, by index of the case.
 
-    Return the values by index of the case; None where there is no answer.
+    A value is None where there is no answer.  All cases with the same scenario, quantity and inputs are computed
+    together, which is fast.
     """
     batches: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
     for place, case in enumerate(cases):
@@ -310,7 +311,7 @@ def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSumm
 
 
 def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) -> TableSummary:
-    """Summarise the deviations of rows, and compare them with the bands of their table or group, ``bands``."""
+    """Return the summary of the deviations of rows; `bands` is their table or group, which gives the bands."""
     percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
