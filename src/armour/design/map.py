@@ -25,14 +25,14 @@ class DesignMap(NamedTuple):
     probabilities: tuple[float, ...]
     # Velocities that are stopped with each of the probabilities, however far the design is from the tests, m/s,
     # (ceramics, back plates, threats, probabilities); NaN if the model error is not known.
-    by_tests_m_s: Floats
+    untruncated_m_s: Floats
     # Greatest probabilities of stopping that may be stated so far from the tests, (ceramics, back plates, threats).
-    greatest: Floats
+    greatest_probability: Floats
 
     @property
     def stopped_m_s(self) -> Floats:
-        """Velocities as in `by_tests_m_s`, but NaN too far from the tests to state the probability."""
-        return np.where(self.greatest[..., None] >= self.probabilities, self.by_tests_m_s, np.nan)
+        """Velocities as in `untruncated_m_s`, but NaN too far from the tests to state the probability."""
+        return np.where(self.greatest_probability[..., None] >= self.probabilities, self.untruncated_m_s, np.nan)
 
     def stopped_with(self, probability: float) -> Floats:
         """Return `stopped_m_s` for one of the `probabilities`, (ceramics, back plates, threats)."""

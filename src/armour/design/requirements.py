@@ -73,7 +73,7 @@ class Standing(NamedTuple):
     expected_m_s: float | None  # its expected limit; None if the model error is not known
     stops: bool  # whether the model stops the projectile at the velocity plus the margin
     probability: float | None  # of stopping a shot, without its upper bound; None if it is not known
-    greatest: float  # greatest probability of stopping that is stated; it falls with the distance from the tests
+    greatest_probability: float  # of stopping, that is stated; it falls with the distance from the tests
     sampled: Estimate | None  # probability of perforation, if uncertain inputs are sampled
 
 
@@ -126,13 +126,13 @@ def against_threat(
     if probability is None:
         verdict = "not known" if reaches else verdict_if_short
     elif bound is not None and standing.sampled is not None:
-        sampled = standing.sampled.at_least(1.0 - standing.greatest)
+        sampled = standing.sampled.at_least(1.0 - standing.greatest_probability)
         verdict, interval = verdict_of_samples(standing.sampled, bound), (1.0 - sampled.high, 1.0 - sampled.low)
     else:
         verdict = "passes" if probability >= least else "fails"
     if probability is not None:
-        verdict = "not known" if verdict == "passes" and standing.greatest < least else verdict
-        probability = min(probability, standing.greatest)
+        verdict = "not known" if verdict == "passes" and standing.greatest_probability < least else verdict
+        probability = min(probability, standing.greatest_probability)
     if bound is not None:
         rows.append(Requirement("probability_of_stopping", threat.title, least, probability, verdict, interval))
     elif probability is not None:
