@@ -89,7 +89,7 @@ def test_limits_of_unusual_rows_are_searched_densely_and_in_place():
     assert limits.tolist() == alone_limits
     assert limits[0] == limits[4] == pytest.approx(723.77, abs=0.02)
     assert limits[1] == limits[3] == pytest.approx(252.67, abs=0.02)
-    assert together.changes_above(limits).tolist() == [False, True, True, True, False]
+    assert together.stops_again_above(limits).tolist() == [False, True, True, True, False]
 
 
 def test_the_thinnest_layer_that_stops_an_impact_that_a_thicker_one_does_not():

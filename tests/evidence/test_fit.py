@@ -176,7 +176,7 @@ def test_outcomes_are_approximated_well(count: int):
 def test_a_level_replaces_that_of_the_fit():
     tests = lot([0.5])._replace(uncertainties=np.array([1e3]))
     q = tests.quantities
-    updated = FIT.of_lot(level=(0.3, 0.2)).given(tests)
+    updated = FIT.of_lot(offset=(0.3, 0.2)).given(tests)
     Z = matrix_of(FIT.terms, FIT.reference, q)
     coefficients = FIT.coefficients.copy()
     coefficients[0] = 0.3

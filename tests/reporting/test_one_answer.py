@@ -28,12 +28,12 @@ REASON = "the moon was full when it was fired at, and nobody noted the phase"
 @pytest.fixture(autouse=True)
 def planted() -> Iterator[None]:
     """A reason that nobody has heard of, for which every probability that is unknown is so."""
-    checked = module._checked
+    checked = module._checked_threat
 
     def with_reason(*given: Any, **options: Any) -> CheckedThreat:
         return replace(checked(*given, **options), reason=REASON)
 
-    with patch.object(module, "_checked", with_reason):
+    with patch.object(module, "_checked_threat", with_reason):
         yield
 
 

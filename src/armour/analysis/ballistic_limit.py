@@ -70,7 +70,7 @@ class NeededFlowStress:
 def needed_flow_stress(
     scenario: Scenario, required_m_s: float, probability: float | None = None
 ) -> NeededFlowStress | None:
-    """Return the flow stresses, GPa, by which a ceramic without tests has a required limit, and also a probability.
+    """Return what flow stress a ceramic without tests needs for a required limit, and for a required probability.
 
     Return None if the scenario has no such ceramic, or if tests say nothing about it: with a back plate that may be
     no metal, an interlayer, a long rod, or settings of the model other than those used to compute the tests.
@@ -99,21 +99,21 @@ def needed_flow_stress(
     likely_m_s = scenario.impact.velocity_m_s / float(shots.quantile(1.0 - probability))
     return NeededFlowStress(
         ceramic.name,
-        _needed(scenario, required_m_s),
+        _least_flow_stress(scenario, required_m_s),
         probability,
-        _needed(scenario, max(required_m_s, likely_m_s)),
+        _least_flow_stress(scenario, max(required_m_s, likely_m_s)),
         sources,
         tuple(limits_over(scenario, np.array(sources)).tolist()),
     )
 
 
 def limits_over(scenario: Scenario, flow_stresses_GPa: Floats) -> Floats:
-    """Return the ballistic limit for each flow stress of the ceramic, m/s, (n,), clipped to 20 to 10,000 m/s."""
+    """Return the ballistic limit with each of n flow stresses of the ceramic, m/s, (n,), but 20 to 10,000 m/s."""
     rows = variants_of(scenario, {FLOW_STRESS: flow_stresses_GPa}, len(flow_stresses_GPa))
     return ballistic_limits(rows, (SLOWEST_M_S, FASTEST_M_S)).clip(SLOWEST_M_S, FASTEST_M_S)
 
 
-def _needed(scenario: Scenario, required_m_s: float) -> float | None:
+def _least_flow_stress(scenario: Scenario, required_m_s: float) -> float | None:
     """Return the flow stress above which the ballistic limit is always at least `required_m_s`, GPa; None for none."""
     low, high = RANGE_GPA
     for _ in range(GRIDS):
@@ -129,7 +129,7 @@ def _needed(scenario: Scenario, required_m_s: float) -> float | None:
 
 @dataclass(frozen=True)
 class Crossing:
-    """A velocity at which the outcome changes.
+    """A velocity at which the outcome of an impact changes.
 
     Attributes
     ----------
@@ -248,7 +248,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
 
 
 def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
-    """Return the model error of a single row, given its ballistic limit, m/s; None if it is unknown or not included.
+    """Return the model error of a single row, given its limit by the model, m/s; None if it is unknown or excluded.
 
     The section ``uncertainty.model`` gives the error, or else tests of similar armours.  These tests are described by
     several laws of the ceramic's flow stress; the limits by the laws other than the scenario's are computed here.
@@ -260,17 +260,17 @@ def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
 
 
 def not_monotonic(limit: LimitResult) -> tuple[Note, ...]:
-    """Return a warning if the outcome changes above the limit."""
-    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {_listed(limit.crossings)}"),)
+    """Return a warning, in a tuple, if the outcome changes again above the ballistic limit; otherwise nothing."""
+    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {_crossings_in_words(limit.crossings)}"),)
 
 
-def _outcomes(row: Variants, velocities: list[float]) -> Any:
-    """Return the outcome at each velocity, m/s."""
+def _outcomes_at(row: Variants, velocities: list[float]) -> Any:
+    """Return the outcome, as in `Outcome`, of a single row at each velocity, m/s."""
     return batch.impacts(row.parameters.repeat(len(velocities), axis=0), np.array(velocities), row.settings).outcome
 
 
 def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple[tuple[Crossing, ...], int, bool]:
-    """Find the changes of the outcome in a scan of velocities; `points` is the number of velocities.
+    """Find the velocities at which the outcome of a single row changes, by a scan of `points` velocities.
 
     Return the changes, the number of impacts computed, and whether the lowest scanned velocity perforates.
     """
@@ -278,11 +278,11 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
     low, high, tolerance = section.velocity_min_m_s, section.velocity_max_m_s, section.tolerance_m_s
     velocities = search.scan(low, high, points)
     scanned = velocities[search.first_scanned(armour, velocities) :]
-    outcomes = _outcomes(row, scanned)
+    outcomes = _outcomes_at(row, scanned)
     runs = len(scanned)
     if runs < points and outcomes[0] == Outcome.PERFORATED:  # as in `search.scanned_limit`
         scanned = velocities
-        outcomes = _outcomes(row, scanned)
+        outcomes = _outcomes_at(row, scanned)
         runs += points
     on_progress(runs, None)
     unresolved = np.flatnonzero(outcomes == Outcome.UNRESOLVED)
@@ -309,7 +309,7 @@ def find_crossings(row: Variants, points: int, on_progress: OnProgress) -> tuple
 def residual_velocity_curve(
     scenario: Scenario, limit: LimitResult, on_progress: OnProgress = ignore_progress
 ) -> tuple[ImpactResult, ...]:
-    """Compute impacts of a scenario at velocities below, at and well above its ballistic limit.
+    """Compute impacts of a scenario at velocities below, at and well above its ballistic limit, to draw a curve.
 
     The velocities are dense just above the limit, where the residual velocity rises as a square root, and extend beyond
     the last crossing.
@@ -327,7 +327,7 @@ def residual_velocity_curve(
 
 
 def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: int, low: float, high: float) -> str:
-    """Return the message that the scan, from `low` to `high` m/s, contains no ballistic limit, and why."""
+    """Return the message that a scan of `points` velocities, from `low` to `high` m/s, contains no limit, and why."""
     scanned = f"{points} velocities from {low:g} to {high:g} m/s"
     if not lowest_perforates:
         return f"no ballistic limit: none of {scanned} perforates; raise ballistic_limit.velocity_max_m_s"
@@ -335,7 +335,8 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
     return f"no ballistic limit: {perforating}; lower ballistic_limit.velocity_min_m_s"
 
 
-def _listed(crossings: tuple[Crossing, ...]) -> str:
+def _crossings_in_words(crossings: tuple[Crossing, ...]) -> str:
+    """Return the changes in words, such as "perforated above 812.50 m/s"."""
     return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
 
 
@@ -410,7 +411,7 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
 
 
 def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:
-    """Return the confidence in the armour of a single row, without `notes` and `flow_stress`."""
+    """Return the result of `confidence` for the armour of a single row, without `notes` and `flow_stress`."""
     limit, error, reason = limit_and_error(row, on_progress)
     probability = probability_of_stopping(row.scenario, limit, error)
     if limit is None:
@@ -431,7 +432,7 @@ def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> C
 
 
 def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | None, ModelError | None, str]:
-    """Return the ballistic limit of a single row, m/s, its model error, and the reason if there is no limit.
+    """Return the ballistic limit of a single row, m/s, its model error, and the reason, in words, if there is no limit.
 
     Limit and error are None if they are not known.
     """
@@ -447,17 +448,18 @@ def limit_and_error(row: Variants, on_progress: OnProgress) -> tuple[float | Non
 
 
 def probability_of_stopping(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
-    """Return the probability that an armour stops a shot at its impact velocity; None if it is not known.
+    """Return the probability that an armour stops a shot at the scenario's impact velocity; None if it is not known.
 
-    An error without a limit means that no velocity up to 10,000 m/s perforates.  The probability for a limit of
-    10,000 m/s is then a lower bound, returned if it exceeds 0.995.
+    `limit_m_s` is the ballistic limit by the model, and `error` its model error.  An error without a limit means that
+    no velocity up to 10,000 m/s perforates.  The probability for a limit of 10,000 m/s is then a lower bound, returned
+    if it exceeds 0.995.
     """
     by_tests = probability_by_tests(scenario, limit_m_s, error)
     return by_tests if by_tests is None or error is None else min(by_tests, error.greatest_probability)
 
 
 def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: ModelError | None) -> float | None:
-    """Return this probability without its upper bound, `greatest_probability` of the model error."""
+    """Return `probability_of_stopping` without its upper bound, the `greatest_probability` of the model error."""
     if error is None:
         return None
     limit = FASTEST_M_S if limit_m_s is None else limit_m_s
@@ -466,5 +468,5 @@ def probability_by_tests(scenario: Scenario, limit_m_s: float | None, error: Mod
 
 
 def no_error(scenario: Scenario) -> str:
-    """Return the reason why the model error of a scenario is not known or not included."""
+    """Return why the model error of a scenario is not known or not included, in words."""
     return row_of(scenario).why_error_unknown()

@@ -18,7 +18,7 @@ INTERVAL_TAIL = 0.5 * (1.0 - CONFIDENCE)
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number estimated from samples, with its confidence interval.
+    """A number estimated from samples, with its 95 % confidence interval.
 
     Attributes
     ----------
@@ -32,12 +32,12 @@ class Estimate:
     high: float
 
     def at_least(self, least: float) -> "Estimate":
-        """Return the estimate of a number that is at least `least`."""
+        """Return the estimate with value and ends raised to at least `least`."""
         return Estimate(max(self.value, least), max(self.low, least), max(self.high, least))
 
 
 def proportion(hits: int, samples: int) -> Estimate:
-    """Estimate a proportion, with the Clopper-Pearson confidence interval [Clopper1934]."""
+    """Estimate the proportion of `hits` among `samples`, with the Clopper-Pearson confidence interval [Clopper1934]."""
     from scipy.special import betaincinv  # slow to import
 
     misses = samples - hits
@@ -47,7 +47,7 @@ def proportion(hits: int, samples: int) -> Estimate:
 
 
 def mean_of_replicates(values: Floats) -> Estimate:
-    """Estimate the mean of the values of independent replicates, (replicates,), with the t interval."""
+    """Estimate a mean from one value for each independent replicate, (replicates,), with the t interval."""
     from scipy.special import stdtrit  # slow to import
 
     mean, count = float(values.mean()), len(values)
@@ -56,7 +56,7 @@ def mean_of_replicates(values: Floats) -> Estimate:
 
 
 def proportion_of_replicates(hits: Sequence[int], sizes: Sequence[int]) -> Estimate:
-    """Estimate a proportion from the hits in independent replicates, given their sizes, with the t interval.
+    """Estimate a proportion from the hits in each independent replicate, given their sizes, with the t interval.
 
     If there are fewer hits, or misses, than replicates, the interval is the Clopper-Pearson one.
     """

@@ -1,4 +1,4 @@
-"""Evaluate quantities of a scenario for many values of its keys at once.
+"""Evaluate quantities of a scenario for many values of its keys at once, in rows.
 
 Sweeps, suites, figures, uncertainty, sensitivity, calibration and designs use this module, or `Variants` directly.
 A question without an answer gives NaN; a run that does not end raises an InputError that names the key at fault.
@@ -60,7 +60,7 @@ def check_quantities(scenario: Scenario, quantities: Sequence[str], file: str) -
 
 
 def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: Sequence[str], file: str) -> None:
-    """Check that each key of a table affects the quantities; `row` is one row of the table, `file` its name."""
+    """Check that each key of a table affects the quantities; `row` is one row of it, `file` its name for messages."""
     row = dict(zip(canonical(row, file), row.values(), strict=True))
     try:
         changed = scenario.replaced({key: value for key, value in row.items() if key not in INPUTS})
@@ -72,7 +72,7 @@ def check_keys(scenario: Scenario, row: Mapping[str, float | str], quantities: S
 
 
 def groups_of(scenario: Scenario, columns: Mapping[str, Floats]) -> list[Group]:
-    """Return rows of values as variants of the scenario, grouped by their settings."""
+    """Return rows of values as variants of the scenario, in a group for each combination of settings."""
     found = scenarios_of(scenario, columns)
     return [Group(where, variants_of(changed, inputs, len(where))) for where, changed, inputs in found]
 
@@ -102,21 +102,21 @@ def scenarios_of(
             changed = scenario.replaced({key: columns[key][row].item() for key in settings})
         where = np.flatnonzero(combination_of_row == index)
         inputs_of_rows = {key: values[where] for key, values in inputs.items()}
-        changed.check_rows(inputs_of_rows, partial(_placed, where, place))
+        changed.check_rows(inputs_of_rows, partial(_problem_in_table, where, place))
         yield where, changed, inputs_of_rows
 
 
-def _placed(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
-    """Name the row of a problem; `row` counts within a group, whose rows have the indices `where` in the table."""
+def _problem_in_table(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
+    """Return a problem with its row named; `row` counts within a group, whose rows have the indices `where`."""
     return place(int(where[row]), problem)
 
 
 def evaluate_groups(
     groups: Sequence[Group], quantities: Sequence[str], threads: int | None = None
 ) -> tuple[dict[str, Any], Counter[str]]:
-    """Evaluate quantities for groups of rows, see `evaluate`; return them, and the number of rows of each warning.
+    """Evaluate quantities for groups of rows; return them, (n,) by name, and the number of rows of each warning.
 
-    The verdict is left out, as `armour.design.check.evaluated` gives it.
+    On `threads`, see `Variants`.  The verdict is left out, as `armour.design.check.evaluated` gives it.
     """
     answers = [QuantityValues(group.variants._replace(threads=threads)) for group in groups]
     order = np.argsort(np.concatenate([group.where for group in groups]), kind="stable")
@@ -132,7 +132,7 @@ def evaluate_groups(
 
 
 def far_of(scenario: Scenario, columns: Mapping[str, Any]) -> Bools:
-    """Return whether each of n rows is far from the tests, (n,)."""
+    """Return whether each of n rows of values is far from the tests, (n,); `columns` as in `evaluate`."""
     groups = groups_of(scenario, columns)
     is_far = np.zeros(sum(len(group.where) for group in groups), dtype=bool)
     for where, variants in groups:
@@ -141,6 +141,7 @@ def far_of(scenario: Scenario, columns: Mapping[str, Any]) -> Bools:
     return is_far
 
 
+# Warnings for rows whose outcome changes more than once.
 AGAIN = "the outcome changes more than once with the impact velocity, and the lowest change is taken"
 THICKER = "a thicker {} is perforated at a velocity that a thinner one stops"
 
@@ -158,7 +159,7 @@ class QuantityValues:
 
     @cached_property
     def impacts(self) -> batch.ImpactBatch:
-        """Ends of the impacts."""
+        """Outcome and final state of each impact."""
         return self.variants.impacts()
 
     @cached_property
@@ -168,7 +169,7 @@ class QuantityValues:
 
     @cached_property
     def ballistic_limits(self) -> Floats:
-        """Ballistic limits, m/s; NaN for none in the range searched."""
+        """Ballistic limits, m/s; NaN for none in the range of the section ``ballistic_limit``."""
         limits = ballistic_limits(self.variants)
         return np.where(np.isfinite(limits), limits, np.nan)
 
@@ -203,10 +204,10 @@ class QuantityValues:
         return self.variants.shot_distributions(self.ballistic_limits)
 
     def changes(self, quantities: Sequence[str]) -> dict[str, int]:
-        """Return warnings that the outcome changes more than once, each with the number of rows concerned."""
+        """Return warnings that the outcome changes more than once, for quantities, each with the number of its rows."""
         rows_by_words: dict[str, Bools] = {}
         if limits := [name for name in quantities if "ballistic_limit" in QUANTITIES[name].reads]:
-            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = self.variants.changes_above(self.ballistic_limits)
+            rows_by_words[f"{', '.join(limits)}: {AGAIN}"] = self.variants.stops_again_above(self.ballistic_limits)
         for name in quantities:
             if layer := QUANTITIES[name].least:
                 rows_by_words[f"{name}: {THICKER.format(layer)}"] = self.least(layer).changes_again

@@ -1,4 +1,4 @@
-"""One impact of a scenario: its outcome, its stages with the energy lost in each and, on request, its history."""
+"""Compute one impact of a scenario: its outcome, its stages with their losses and, on request, its history."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -93,7 +93,7 @@ class History(TableResult):
         return isinstance(other, History) and same_columns(self._columns(), other._columns())
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the quantities as lists by name."""
+        """Return the quantities as lists, by name."""
         return {name: values.tolist() for name, values in self._columns().items()}
 
     def _columns(self) -> dict[str, Any]:
@@ -182,7 +182,7 @@ def simulate(scenario: Scenario, *, history: bool = False) -> ImpactResult:
 
 
 def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> ImpactResult:
-    """Compute the impact of a scenario at another impact velocity, m/s."""
+    """Compute the impact of a scenario at `velocity`, m/s, in place of its own impact velocity."""
     end, trace, armour = run_impact(scenario, velocity)
     spacing = min(scenario.solver.time_step or inf, end.t / INSTANTS)
     perforated = end.outcome == Outcome.PERFORATED
@@ -219,7 +219,10 @@ def run_impact(scenario: Scenario, velocity: float) -> tuple[Run, list[Instant],
 
 
 def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
-    """Return the error of a run that does not end; it names the time step if one is given, else the arrest velocity."""
+    """Return the InputError for an impact at `velocity`, m/s, that does not end within the allowed steps.
+
+    It blames the scenario's time step if one is set, else the arrest velocity.
+    """
     solver = scenario.solver
     if solver.time_step_us is not None:
         key, value, advice = "time_step_us", f"{solver.time_step_us:g}", "raise it or leave it out"
@@ -231,7 +234,7 @@ def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
 
 
 def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRecord, ...]:
-    """Return the stages of a traced run, without those of zero duration."""
+    """Return the stages of an impact, given its instants, with their losses; those of no duration are left out."""
     starts = [trace[0]]
     for before, after in pairwise(trace):
         if stages.stage_name(before.s) != stages.stage_name(after.s):
@@ -251,13 +254,13 @@ def stage_records(trace: Sequence[Instant], armour: Parameters) -> tuple[StageRe
 
 
 def kinetic_energy(instant: Instant, armour: Parameters) -> float:
-    """Return the kinetic energy of the projectile's rigid part, J."""
+    """Return the kinetic energy of the projectile's rigid part at an instant, J."""
     mass = armour.rho_p * equations.cross_section(armour.D0) * instant.y.L
     return mass * instant.y.V**2 / 2.0
 
 
 def history_of(trace: Sequence[Instant], armour: Parameters, spacing: float) -> History:
-    """Return the history of a traced run, in the units of the result, with instants at most a spacing, s, apart."""
+    """Return the history of an impact, given its instants; added ones make them at most `spacing`, s, apart."""
     trace = refined(trace, armour, spacing)
 
     def column(values: Sequence[float], unit: float = 1.0) -> NDArray[np.float64]:
@@ -280,7 +283,7 @@ def history_of(trace: Sequence[Instant], armour: Parameters, spacing: float) -> 
 
 
 def refined(trace: Sequence[Instant], armour: Parameters, spacing: float) -> list[Instant]:
-    """Return a trace with instants added at the multiples of `spacing`, s, by cubic interpolation in each step."""
+    """Return the instants of an impact, with more added at the multiples of `spacing`, s, by cubic interpolation."""
     instants = [trace[0]]
     for before, after in pairwise(trace):
         dt = after.t - before.t

@@ -33,7 +33,7 @@ OF_CHECK = (
 
 
 class Answer(NamedTuple):
-    """What a command answers: its name in messages, and the sections and keys that it depends on or shows."""
+    """What a command computes, in words for messages, and the sections and keys that it depends on or shows."""
 
     computed: str
     reads: tuple[str, ...]
@@ -110,12 +110,15 @@ SPELLING = {"backing": "plate", "caliber": "calibre", "m2": "m²", "youngs": "Yo
 
 
 def reads_of(names: Iterable[str]) -> set[str]:
-    """Return the sections and keys that the named quantities depend on, see `Quantity.reads`."""
+    """Return the sections and keys of a scenario that the named quantities depend on, see `Quantity.reads`."""
     return {read for name in names for read in QUANTITIES[name].reads}
 
 
 def with_round(reads: Iterable[str]) -> set[str]:
-    """Return what a quantity depends on, given its `reads`, with projectile and armour, which threats may replace."""
+    """Return all that a quantity depends on, given its `reads`: also projectile and armour, unless it reads threats.
+
+    Threats replace the projectile, and a quantity that reads them names the keys of the armour itself.
+    """
     reads = {*reads}
     return reads if "threat" in reads else {*ROUND_AND_ARMOUR, *reads}
 

@@ -1,4 +1,4 @@
-"""Base classes of results, their conversion to plain data and data frames, and the progress of computations."""
+"""Base classes of results, with their conversion to plain data and data frames; how computations report progress."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -24,7 +24,7 @@ def installed(packages: Iterable[str]) -> list[tuple[str, str]]:
 
 
 def made_by(scenario: Scenario | None, command: str) -> dict[str, str]:
-    """Return the origin of an output: versions, command, and the hash of the scenario's content."""
+    """Return the origin of an output, by key: versions, command, and the hash of the scenario's content, if any."""
     from armour import MODEL_VERSION, __version__  # whose public names include those of this module
 
     origin = {"version": __version__, "model_version": MODEL_VERSION}
@@ -34,15 +34,15 @@ def made_by(scenario: Scenario | None, command: str) -> dict[str, str]:
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """Result of a computation.
+    """Result of a computation; the base class of all results.
 
     Attributes
     ----------
     question : mapping
         What tables and figures show beside the data: ``computed``, what was computed, in words; ``scenario``;
         ``shots``; ``name`` and ``labels`` of an offer; ``confidence``, the result that has the probability of an
-        impact; ``changed``, equations that are not those of this program, in words; ``every_row``, whether to show all
-        rows.  Each may be missing.
+        impact; ``changed``, equations that are not those of this program, in words; ``every_row``, whether to
+        show details and all rows (option -v).  Each may be missing.
     """
 
     question: ClassVar[Mapping[str, Any]] = {}
@@ -63,7 +63,7 @@ class Result:
         return self
 
     def subject(self) -> str:
-        """Return what was computed, in words; "" for a result whose question is not recorded."""
+        """Return what was computed, in words, such as for titles; "" for a result whose question is not recorded."""
         scenario = self.question.get("scenario")
         words: str = self.question.get("computed") or (scenario.subject() if scenario else "")
         return words
@@ -85,7 +85,7 @@ class Result:
 
 
 def _plain(value: Any) -> Any:
-    """Return plain data for a value: dictionaries for dataclasses, and the texts of the notes of a result."""
+    """Return a value as dictionaries, lists and plain values; the notes of a result become its warnings."""
     if isinstance(value, Mapping):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -146,13 +146,13 @@ def data_frame(columns: Mapping[str, Any]) -> Any:
 
 
 def by_column(rows: Any) -> dict[str, list[Any]]:
-    """Return a list of values by key, given rows, which are mappings with the same keys."""
+    """Return rows, which are mappings with the same keys, as columns: a list of values by key."""
     rows = list(rows)
     return {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
 
 
 def same_columns(columns: Mapping[str, Any], expected: Mapping[str, Any]) -> bool:
-    """Return whether two mappings have the same names and arrays; NaN equals NaN."""
+    """Return whether two tables have the same columns, arrays by name; NaN equals NaN."""
     return columns.keys() == expected.keys() and all(
         values.dtype == expected[name].dtype and values.tobytes() == expected[name].tobytes()
         for name, values in columns.items()
@@ -164,10 +164,10 @@ OnProgress = Callable[[int, int | None], None]
 
 
 def ignore_progress(_done: int, _total: int | None) -> None:
-    """Do nothing."""
+    """Do nothing: the progress of a computation that nobody watches."""
 
 
 def portions(count: int, most: int) -> Iterator[slice]:
-    """Yield slices of at most `most` out of `count` rows, to bound the memory and show the progress."""
+    """Yield slices of at most `most` rows that make up `count` rows, to bound the memory and show the progress."""
     for start in range(0, count, most):
         yield slice(start, min(start + most, count))

@@ -1,4 +1,4 @@
-"""Samples of uncertain inputs, by quantiles and a Gaussian copula, and the probability of perforation over them."""
+"""Sample uncertain inputs, by quantiles and a Gaussian copula, and estimate the probability of perforation."""
 
 from collections.abc import Mapping, Sequence
 from math import hypot, inf, log, log1p, sqrt
@@ -32,7 +32,7 @@ SAMPLES_OF_ONE_PASS = 2**12
 
 
 class Samples(NamedTuple):
-    """n samples of the uncertain inputs."""
+    """n samples of the uncertain inputs, as variants of the scenario, with the model error of each."""
 
     variants: Variants  # velocities are divided by `of_shots`: the model perforates if a shot perforates the armour
     factor: Any  # ballistic limit of the armour divided by that of the model, (n,) or a number
@@ -40,18 +40,18 @@ class Samples(NamedTuple):
 
 
 def own_errors(scenario: Scenario, layers: Mapping[str, float] | None = None) -> ErrorRows:
-    """Return the model error of a scenario's armour, one row; `layers` has other thicknesses, mm, by name of input."""
+    """Return the model error of a scenario's own armour, in one row; `layers` may replace thicknesses, mm, by input."""
     columns = {name: np.array([value]) for name, value in (layers or {}).items()}
     return variants_of(scenario, columns, 1).errors
 
 
 def section_of(scenario: Scenario) -> Uncertainty:
-    """Return the distributions of a scenario, including that of the model error if it is known."""
+    """Return the section ``uncertainty`` of a scenario, with that of the model error added if it is known."""
     return section_at(scenario, scenario.inputs(), with_error=bool(own_errors(scenario).known.all()))
 
 
 def section_at(scenario: Scenario, values: Mapping[str, float], *, with_error: bool) -> Uncertainty:
-    """Return the distributions of a scenario, with or without that of the model error.
+    """Return the section ``uncertainty`` of a scenario, with the distribution of the model error if `with_error`.
 
     Raise an InputError if there are none, or if a distribution cannot have the value of its input, in `values`, as its
     mean.
@@ -77,7 +77,7 @@ def _is_absent(name: str, values: Mapping[str, float]) -> bool:
 
 
 def own_values(scenario: Scenario) -> dict[str, float]:
-    """Return the scenario's own values of the inputs, with the model error at its median."""
+    """Return the scenario's own values of the inputs, by name, with the model error at its median."""
     return {**scenario.inputs(), ERROR: 0.5}
 
 
@@ -106,7 +106,7 @@ def sampled(scenario: Scenario, columns: Mapping[str, Floats], count: int) -> Sa
 
 
 def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
-    """Return n samples, each with the law of the flow stress whose index in `errors` stands in `laws`, (n,).
+    """Return n samples with other laws of the flow stress: each with that whose index in `errors` is in `laws`, (n,).
 
     `errors` has one row.  The given samples follow law 0.  For another law, each of their parameters `LAW_FIELDS` is
     multiplied by its value in that law over its value in law 0.
@@ -122,7 +122,7 @@ def by_laws(variants: Variants, errors: ErrorRows, laws: Ints) -> Variants:
 
 
 def points_of(uncertainty: Uncertainty) -> Floats:
-    """Return points within the unit cube, (samples, inputs): scrambled Sobol' sequences."""
+    """Return points within the unit cube, (samples, inputs), a scrambled Sobol' sequence for each replicate."""
     if not uncertainty.inputs():
         return np.empty((uncertainty.samples, 0))
     from scipy.stats import qmc  # slow to import
@@ -176,7 +176,10 @@ def quantiles(distribution: Distribution, probabilities: ArrayLike, value: float
 
 
 def moved_mean(distribution: Distribution, value: float) -> tuple[float, float] | None:
-    """Return the mean before and after truncation; None if they differ by at most 0.1 standard deviations."""
+    """Return the means before and after truncation of the distribution of an input, whose own value is `value`.
+
+    Return None if they differ by at most 0.1 standard deviations.
+    """
     if distribution.distribution == "uniform" or np.isinf(distribution.ends).all():
         return None
     before, deviation = distribution.moments(value)
@@ -227,18 +230,21 @@ def probability_of_perforation(
         columns = columns_of(section, values, np.concatenate(parts))
         columns = {name: column for name, column in columns.items() if not _is_absent(name, values)}
         rows = sampled(scenario, {**{key: np.full(count, mm) for key, mm in layers.items()}, **columns}, count).variants
-        added = [_chances(rows.at(part), errors) for part in portions(count, SAMPLES_OF_ONE_PASS)]
+        added = [_perforation_probabilities(rows.at(part), errors) for part in portions(count, SAMPLES_OF_ONE_PASS)]
         on_progress(count, None)
         ends = np.cumsum([len(part) for part in parts])[:-1]
         added = np.split(np.concatenate(added), ends)
         chances = [np.append(*each) for each in zip(chances, added, strict=True)]
-        estimate = _estimate(chances, is_smooth=is_known)
-        if len(chances[0]) == len(replicates[0]) or _decides(estimate, bound, quick=quick):
+        estimate = _estimated_mean(chances, is_smooth=is_known)
+        if len(chances[0]) == len(replicates[0]) or _is_enough(estimate, bound, quick=quick):
             return estimate
 
 
 def is_sampled(scenario: Scenario, layers: Mapping[str, float] | None = None) -> bool:
-    """Return whether samples can give the probability of perforation: the model error must be known."""
+    """Return whether samples can give the probability of perforation: the model error must be known.
+
+    `layers` as in `own_errors`.
+    """
     return bool(own_errors(scenario, layers).known.all())
 
 
@@ -258,8 +264,8 @@ def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, ans
     return tuple(notes)
 
 
-def _chances(rows: Variants, errors: ErrorRows) -> Floats:
-    """Return the probability that each sample is perforated, (n,), given the model error; 0 or 1 if it is unknown."""
+def _perforation_probabilities(rows: Variants, errors: ErrorRows) -> Floats:
+    """Return the probability that each of n samples is perforated, (n,), given the model error; 0 or 1 if unknown."""
     if not errors.known.all():
         return rows.perforated().astype(np.float64)
     stopping = np.zeros(len(rows.velocities))
@@ -270,15 +276,18 @@ def _chances(rows: Variants, errors: ErrorRows) -> Floats:
     return 1.0 - stopping
 
 
-def _estimate(chances: Sequence[Floats], *, is_smooth: bool) -> Estimate:
-    """Estimate the mean of the chances of all replicates: probabilities if `is_smooth`, otherwise each 0 or 1."""
+def _estimated_mean(chances: Sequence[Floats], *, is_smooth: bool) -> Estimate:
+    """Estimate a probability of perforation from those of the samples, `chances`, an array for each replicate.
+
+    They are probabilities if `is_smooth`, otherwise each is 0 or 1.
+    """
     if not is_smooth:
         return proportion_of_replicates([int(part.sum()) for part in chances], [len(part) for part in chances])
     mean = mean_of_replicates(np.array([part.mean() for part in chances]))
     return Estimate(*(min(max(end, 0.0), 1.0) for end in (mean.value, mean.low, mean.high)))
 
 
-def _decides(estimate: Estimate, bound: float | None, *, quick: bool) -> bool:
+def _is_enough(estimate: Estimate, bound: float | None, *, quick: bool) -> bool:
     """Return whether an estimate needs no more samples, see `probability_of_perforation`."""
     half = max(estimate.high - estimate.value, estimate.value - estimate.low)
     away = inf if bound is None else abs(estimate.value - bound)

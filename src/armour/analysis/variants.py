@@ -29,18 +29,22 @@ Bools = NDArray[np.bool_]
 THICKNESS_TOLERANCE_MM = 1e-6
 # Number of rows that are scanned at a time, to bound the memory.
 SCANS_AT_A_TIME = 250
-# Condition on thicknesses, mm, (m,), given with the indices of their rows, (m,): returns whether it holds, (m,).
+# Condition on m rows: a function of thicknesses, mm, (m,), and of the indices of the rows, (m,), that returns whether
+# it holds, (m,).
 RowCondition = Callable[[Floats, Ints], Bools]
 
 
 class Thinnest(NamedTuple):
-    """Least thicknesses of n rows."""
+    """Least thicknesses of a layer that stop the impacts of n rows; arrays, (n,)."""
 
     mm: Floats  # NaN where none is found
-    changes_again: Bools  # whether a thicker layer is known to be perforated; only unusual rows are searched for this
+    # Whether a thicker layer is known to be perforated; only rows that are unlike every test are searched for this.
+    changes_again: Bools
 
 
 class _Rows(NamedTuple):
+    """Columns of `Variants`, which adds the methods: a named tuple cannot have cached properties."""
+
     parameters: Floats  # (n, fields), see `armour.engine.batch.packed`; thicknesses along the line of fire
     velocities: Floats  # impact velocities, m/s, (n,)
     cosines: Floats  # of the obliquities, (n,)
@@ -52,30 +56,30 @@ class _Rows(NamedTuple):
 
 
 class Variants(_Rows):
-    """n variants of a scenario."""
+    """n variants of a scenario, as arrays with a row for each: its impact, and the settings that all share."""
 
     def at(self, where: Ints | Bools | slice) -> "Variants":
-        """Return some of the rows, given their indices, a mask or a slice."""
+        """Return some of the variants, given their indices, a mask or a slice."""
         return Variants._make([*(column[where] for column in self[:4]), *self[4:]])
 
     @property
     def settings(self) -> RunSettings:
-        """Settings of every run."""
+        """Settings of the solver for every run."""
         solver = self.scenario.solver
         return RunSettings(solver.arrest_velocity_m_s, solver.time_step, solver.max_steps)
 
     @cached_property
     def errors(self) -> ErrorRows:
-        """Model errors of the rows."""
+        """Distributions of the model error, actual over computed ballistic limit, of each row."""
         return errors_of(self.scenario, self.armours)
 
     @cached_property
     def armours(self) -> Armours:
-        """The armours of the rows."""
+        """The armours of the rows, for what the evidence says of them."""
         return Armours(batch.fields(self.parameters), self.cosines, self.material_of_row, self.materials)
 
     def by_law(self, law: int, errors: ErrorRows) -> "Variants":
-        """Return the variants with the parameters of one of the laws in `errors`, given its index."""
+        """Return the variants with the parameters by one of the laws in `errors`, given its index; 0 is their own."""
         return self.with_fields(dict(zip(LAW_FIELDS, errors.parameters[law], strict=True)))
 
     def with_fields(self, columns: Mapping[str, Floats | float]) -> "Variants":
@@ -101,28 +105,28 @@ class Variants(_Rows):
         return (p.rho_c * p.Hc0 + p.rho_B * p.Hb * counts) * self.cosines + self.scenario.inert("areal_density_kg_m2")
 
     def is_unusual(self) -> Bools:
-        """Return which rows are far from all tests that the model was compared with."""
+        """Return which rows are unlike every test that the model was compared with, (n,); see `is_unusual`."""
         return is_unusual(batch.fields(self.parameters))
 
     def impacts(self) -> batch.ImpactBatch:
-        """Simulate the impact of each row."""
+        """Compute the impact of each row; raise an InputError if one does not end."""
         ends = batch.impacts(self.parameters, self.velocities, self.settings, self.threads)
         check_resolved(ends.outcome != Outcome.UNRESOLVED, self)
         return ends
 
     def perforated(self) -> Bools:
-        """Return whether the impact of each row perforates."""
+        """Return whether the impact of each row perforates, (n,)."""
         return self.impacts().outcome == Outcome.PERFORATED
 
     def with_thicknesses(
         self, *, ceramic_mm: Floats | float | None = None, backing_mm: Floats | float | None = None
     ) -> "Variants":
-        """Return the variants with other thicknesses, mm."""
+        """Return the variants with other thicknesses, mm, (n,) or a number; None leaves a layer as it is."""
         layers = {"Hc0": ceramic_mm, "Hb": backing_mm}
         return self.with_fields({key: mm / self.cosines * MM for key, mm in layers.items() if mm is not None})
 
     def limits_anywhere(self, on_progress: OnProgress = ignore_progress) -> Floats:
-        """Return the ballistic limit of each row, m/s, also outside the range of the section.
+        """Return the ballistic limit of each row, m/s, (n,), also outside the range of the section.
 
         Rows without a limit in that range are searched from 20 to 10,000 m/s; a limit beyond is replaced by the nearer
         end.
@@ -135,7 +139,7 @@ class Variants(_Rows):
         return limits.clip(slowest, FASTEST_M_S)
 
     def lowest_limits(self, limits: Floats, on_progress: OnProgress = ignore_progress) -> Floats:
-        """Return the given ballistic limits of the rows, m/s, or lower ones if a denser scan finds them."""
+        """Return the given ballistic limits of the rows, m/s, (n,), or lower ones where a denser scan finds them."""
         section = self.scenario.ballistic_limit
         range_m_s = min(section.velocity_min_m_s, SLOWEST_M_S), FASTEST_M_S
         dense = ballistic_limits(self, range_m_s, points=DENSE_SCAN_POINTS, on_progress=on_progress)
@@ -143,7 +147,7 @@ class Variants(_Rows):
         return np.where(dense < limits - section.tolerance_m_s, dense.clip(range_m_s[0]), limits)
 
     def why_error_unknown(self) -> str:
-        """Return why the model error is not known, or not included, for a single row, and what can provide it."""
+        """Return why the model error is not known or not included, in words; the variants must be a single row."""
         if self.scenario.excludes_error():
             return "uncertainty.model excludes the model error"
         return why_unknown(self.scenario, self.armours)
@@ -151,13 +155,13 @@ class Variants(_Rows):
     def shot_distributions(self, limits: Floats) -> Mixture:
         """Return the distributions of the velocities below which n armours stop a shot, given limits by the model, m/s.
 
-        They give higher probabilities than those that are stated, `ErrorRows.greatest`.
+        Their probabilities may be higher than the greatest ones that are stated, `ErrorRows.greatest`.
         """
         errors = self.errors
         return errors.of_shots.ratio.times(self.limits_by_law(errors, limits))
 
     def caveats(self) -> Iterator[tuple[str, int]]:
-        """Yield the caveats about the rows and doubtful strengths of their metals, each with its number of rows."""
+        """Yield the caveats about the rows, and on doubtful strengths of their metals, each with its number of rows."""
         metals = [materials.backing for materials in self.materials] if self.own_strength else []
         for note, rows in limits_of_model(self.armours, metals):
             yield str(note), int(np.count_nonzero(rows))
@@ -180,8 +184,11 @@ class Variants(_Rows):
         limits[laws, rows] = self.at(rows).with_fields(dict(parameters)).limits_anywhere()
         return limits
 
-    def changes_above(self, limits: Floats) -> Bools:
-        """Return which unusual rows stop an impact that is faster than their ballistic limit, m/s, (n,), by a scan."""
+    def stops_again_above(self, limits: Floats) -> Bools:
+        """Return which rows that are unlike every test stop a faster impact than their ballistic limit, m/s, (n,).
+
+        A scan finds them; other rows (`is_unusual` is False) are not scanned, and are False.
+        """
         section, changes_again = self.scenario.ballistic_limit, np.zeros(len(limits), dtype=bool)
         velocities = np.array(scan(section.velocity_min_m_s, section.velocity_max_m_s, DENSE_SCAN_POINTS))
         where = np.flatnonzero(self.is_unusual() & np.isfinite(limits))
@@ -193,7 +200,7 @@ class Variants(_Rows):
         return changes_again
 
     def least_thicknesses(self, layer: str) -> Thinnest:
-        """Return the least thickness of a layer, within the grid, that stops each impact.
+        """Return the least thickness of a layer, within its range of the section ``optimise``, that stops each impact.
 
         `layer` is "ceramic", "back plate" or "armour": both layers together, which keep their proportion and lie within
         their ranges.
@@ -202,6 +209,7 @@ class Variants(_Rows):
         ranges = {"ceramic_mm": grid.ceramic_thickness_mm, "backing_mm": grid.backing_thickness_mm}
         ceramics, backings = self.ceramics_mm, self.backings_mm
         total = ceramics + backings
+        # Part of the thickness sought that each layer gets, (n,), by name.
         shares = {
             "ceramic": {"ceramic_mm": np.ones(count)},
             "back plate": {"backing_mm": np.ones(count)},
@@ -214,13 +222,14 @@ class Variants(_Rows):
             high[has_layer] = np.minimum(high[has_layer], ranges[name].max / share[has_layer])
         where = np.flatnonzero(low <= high)
 
-        def thick(values: Floats, rows: Ints) -> Variants:
+        def with_layer(values: Floats, rows: Ints) -> Variants:
+            """Return the rows with these indices in `where`, with the thickness sought set to values, mm."""
             places = where[rows]
             return self.at(places).with_thicknesses(**{name: values * share[places] for name, share in shares.items()})
 
         least = Thinnest(np.full(count, np.nan), np.zeros(count, dtype=bool))
         least.mm[where], least.changes_again[where] = least_values_mm(
-            lambda *at: ~thick(*at).perforated(), lambda *at: thick(*at).is_unusual(), low[where], high[where]
+            lambda *at: ~with_layer(*at).perforated(), lambda *at: with_layer(*at).is_unusual(), low[where], high[where]
         )
         return least
 
@@ -256,13 +265,13 @@ def row_of(scenario: Scenario) -> Variants:
 
 
 def concatenated(parts: Sequence[Variants]) -> Variants:
-    """Concatenate variants of a scenario."""
+    """Return variants of the same scenario and materials as one."""
     columns = (np.concatenate(column) for column in zip(*(part[:4] for part in parts), strict=True))
     return Variants._make([*columns, *parts[0][4:]])
 
 
 def grid_of(scenario: Scenario) -> Optimise:
-    """Return the section ``optimise`` of a scenario, the grid of designs.
+    """Return the section ``optimise`` of a scenario, which gives the ranges of thicknesses of the grid of designs.
 
     Raise an InputError if it is missing, or if it has ceramic thicknesses and the scenario no ceramic.
     """
@@ -296,9 +305,10 @@ def ballistic_limits(
 ) -> Floats:
     """Return the ballistic limit of each row, m/s; -inf where the lowest velocity perforates, inf where none does.
 
-    The limit equals that of `armour.analysis.ballistic_limit.ballistic_limit` to the last bit.  The range of velocities
-    and the tolerance, m/s, are by default those of the section.  By default the scan has the usual number of points,
-    or the dense one for unusual rows.
+    Raise an InputError if a run does not end.  The limit equals that of
+    `armour.analysis.ballistic_limit.ballistic_limit` to the last bit.  The range of velocities and the tolerance, m/s,
+    are by default those of the section.  By default the scan has the usual number of points, or the dense one for
+    unusual rows.
     """
     section = variants.scenario.ballistic_limit
     low, high = range_m_s or (section.velocity_min_m_s, section.velocity_max_m_s)
@@ -316,9 +326,10 @@ def ballistic_limits(
 
 
 def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> Floats:
-    """Bisect brackets of thicknesses, from `low` to `high`, mm, (m,), of some rows; return their upper ends.
+    """Return the least thicknesses, mm, (m,), from which a condition holds, by bisection from `low` to `high`.
 
-    `rows` are the indices of the rows.  The condition holds at the upper ends and not at the lower ones.
+    `rows` are the indices of the rows.  The condition `holds` at the upper ends and not at the lower ones;
+    the results are upper ends of narrow brackets.
     """
     low, high = low.copy(), high.copy()
     while True:
@@ -333,7 +344,7 @@ def bisect_rows(holds: RowCondition, rows: Ints, low: Floats, high: Floats) -> F
 
 
 def least_values_mm(stops: RowCondition, is_unusual: RowCondition, low: Floats, high: Floats) -> Thinnest:
-    """Return the least thickness from low to high, mm, that stops the threat in each row, by bisection or scan.
+    """Return the least thickness from `low` to `high`, mm, (n,), that stops the impact of each row, if there is one.
 
     Bisection assumes that the outcome changes once at most.  Rows that are unusual, at the thickness found or by their
     other quantities if none is found, are scanned at many thicknesses instead.

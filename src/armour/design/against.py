@@ -1,4 +1,4 @@
-"""What has moved since an earlier check of the same scenarios, and whether it made a requirement or a threat weaker."""
+"""Compare a check with an earlier one: what differs, and whether it weakens a requirement or a threat."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,17 +10,21 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from armour.errors import mistake
 
 NO_BASE = "must be what armour check --json printed, with this version or a later one"
-# Words for the parts of a check that are there or not.
+# Values in place of numbers, for a part of a check that only the earlier or the later one has.
 THERE, MISSING = "there", "missing"
 
 
 class _Limit(BaseModel, allow_inf_nan=False):
+    """Greatest areal density, thickness or cost allowed, and that of the armour, as armour check --json prints them."""
+
     quantity: str
     required: float
     found: float | None
 
 
 class _Threat(BaseModel, allow_inf_nan=False):
+    """What armour check --json prints of an armour against a threat, and can be compared."""
+
     name: str
     projectile: str
     velocity_m_s: float
@@ -33,6 +37,8 @@ class _Threat(BaseModel, allow_inf_nan=False):
 
 
 class _Check(BaseModel, allow_inf_nan=False):
+    """What armour check --json prints of one scenario, and can be compared."""
+
     scenario: str
     verdict: str
     threats: list[_Threat]
@@ -65,7 +71,11 @@ class Moved:
 
 
 def moved(earlier: Any, checks: Sequence[Mapping[str, Any]], file: str) -> Iterator[Moved]:
-    """Yield all differences of checks from earlier ones, both as plain data; `file` holds the earlier ones."""
+    """Yield what differs between earlier checks and the present ones, matched by the path of the scenario.
+
+    `earlier` is the content of a file that armour check --json wrote, a check or a list of them; `checks` are those of
+    now, as the same plain data.  `file` is the name of the file, for the InputError if it is no such file.
+    """
     try:
         base = TypeAdapter(list[_Check]).validate_python(earlier if isinstance(earlier, list) else [earlier])
     except ValidationError:
@@ -76,8 +86,8 @@ def moved(earlier: Any, checks: Sequence[Mapping[str, Any]], file: str) -> Itera
         if old is None or new is None:
             yield _presence(scenario, "", "scenario", is_new=old is None)
             continue
-        yield from _of_threats(scenario, old.threats, new.threats)
-        yield from _of_limits(scenario, old.requirements, new.requirements)
+        yield from _moved_threats(scenario, old.threats, new.threats)
+        yield from _moved_limits(scenario, old.requirements, new.requirements)
         for part in sorted({*old.basis} | {*new.basis}):
             if old.basis.get(part) != new.basis.get(part):
                 words = [THERE if part in each.basis else MISSING for each in (old, new)]
@@ -87,17 +97,17 @@ def moved(earlier: Any, checks: Sequence[Mapping[str, Any]], file: str) -> Itera
 
 
 def _presence(scenario: str, threat: str, what: str, *, is_new: bool) -> Moved:
-    """Return that a scenario, a threat or a limit is new or missing."""
+    """Return the difference that a scenario, a threat or a limit, named by `what`, is new or missing now."""
     before, now = (MISSING, THERE) if is_new else (THERE, MISSING)
     return Moved(scenario, threat, what, before, now, weaker=not is_new)
 
 
-def _of_threats(scenario: str, old: Sequence[_Threat], new: Sequence[_Threat]) -> Iterator[Moved]:
-    """Yield what moved of threats; those of one name are matched by velocity and angle, then by their order."""
-    left = list(new)
-    same = {id(threat): _take(left, threat, exactly=True) for threat in old}
+def _moved_threats(scenario: str, old: Sequence[_Threat], new: Sequence[_Threat]) -> Iterator[Moved]:
+    """Yield each difference in threats; threats of one name are matched by velocity and angle, then by their order."""
+    unmatched = list(new)
+    exact_matches = {id(threat): _take_match(unmatched, threat, exactly=True) for threat in old}
     for threat in old:
-        match = same[id(threat)] or _take(left, threat, exactly=False)
+        match = exact_matches[id(threat)] or _take_match(unmatched, threat, exactly=False)
         if match is None:
             yield _presence(scenario, threat.name, "threat", is_new=False)
             continue
@@ -105,12 +115,12 @@ def _of_threats(scenario: str, old: Sequence[_Threat], new: Sequence[_Threat]) -
             before, now = getattr(threat, quantity), getattr(match, quantity)
             if not is_same(before, now):
                 yield Moved(scenario, threat.name, quantity, before, now, _is_weaker(quantity, before, now))
-    for threat in left:
+    for threat in unmatched:
         yield _presence(scenario, threat.name, "threat", is_new=True)
 
 
-def _take(threats: list[_Threat], threat: _Threat, *, exactly: bool) -> _Threat | None:
-    """Remove from a list the first threat of the name of another and, if `exactly`, of its velocity and angle."""
+def _take_match(threats: list[_Threat], threat: _Threat, *, exactly: bool) -> _Threat | None:
+    """Remove from `threats` the first with the name and, if `exactly`, velocity and angle of `threat`; return it."""
     keys = ("name", "velocity_m_s", "obliquity_deg") if exactly else ("name",)
     for place, other in enumerate(threats):
         if all(getattr(other, key) == getattr(threat, key) for key in keys):
@@ -119,16 +129,22 @@ def _take(threats: list[_Threat], threat: _Threat, *, exactly: bool) -> _Threat 
 
 
 def _is_weaker(quantity: str, before: Any, now: Any) -> bool:
-    """Return whether a change of a threat, or of what is required against it, makes it weaker; no round is stronger."""
-    least = (-inf if value is None else value for value in (before, now))
+    """Return whether a change of one quantity makes the threat, or what is required against it, weaker.
+
+    Another projectile always counts as weaker, as nothing tells which of two is the stronger.
+    """
+    requirements = (-inf if value is None else value for value in (before, now))
     if quantity in ("velocity_m_s", "required_margin_m_s", "required_probability"):
-        earlier, later = least
+        earlier, later = requirements
         return bool(later < earlier)
     return quantity == "projectile" or (quantity == "obliquity_deg" and bool(now > before))
 
 
-def _of_limits(scenario: str, old: Sequence[_Limit], new: Sequence[_Limit]) -> Iterator[Moved]:
-    """Yield what moved of the greatest areal density, thickness and cost, and of those of the armour."""
+def _moved_limits(scenario: str, old: Sequence[_Limit], new: Sequence[_Limit]) -> Iterator[Moved]:
+    """Yield each difference in the greatest areal density, thickness and cost allowed, and in those of the armour.
+
+    The former are `required` and the latter `found`; a higher limit is weaker.
+    """
     before, now = ({limit.quantity: limit for limit in limits} for limits in (old, new))
     for quantity in dict.fromkeys((*before, *now)):
         if quantity not in now or quantity not in before:

@@ -20,7 +20,7 @@ from armour.scenario.scenario import Scenario
 from armour.scenario.schema import MAX_DESIGNS, OBJECTIVES, BackingLayer, CeramicLayer, DesignSection, Range, Threat
 from armour.units import MM
 
-# Keys of [design] that ask for a design; the others apply to any armour.
+# Keys of [design] that ask for a search of designs; the others apply to the scenario's own armour, too.
 ASKING = {"minimise", "pareto", "runners_up_percent", "ceramic", "backing"}
 COST_COLUMN = "cost_per_m2"
 # Words of the layers by their names in keys.
@@ -35,7 +35,7 @@ MAX_IMPACTS = 10_000_000
 
 
 class Offer(NamedTuple):
-    """A ceramic and a metal, each with its thicknesses."""
+    """A pair: a ceramic and a metal, each with its thicknesses and costs; the ceramic of a bare plate has no name."""
 
     ceramic: CeramicLayer
     backing: BackingLayer
@@ -46,12 +46,12 @@ class Offer(NamedTuple):
 class CandidateDesigns(NamedTuple):
     """n candidate designs; each column is an array, (n,)."""
 
-    pair: Ints  # index of the offer
+    pair: Ints  # index in `Catalogue.offers`
     ceramic_mm: Floats
     backing_mm: Floats
     areal_density_kg_m2: Floats
     thickness_mm: Floats
-    cost_per_m2: Floats
+    cost_per_m2: Floats  # layers without a cost count as 0, see `Catalogue.costed`
 
     def at(self, where: Ints | Bools | slice) -> "CandidateDesigns":
         """Return some of the candidates, given their indices, a mask or a slice."""
@@ -61,7 +61,10 @@ class CandidateDesigns(NamedTuple):
 
 @dataclass(frozen=True)
 class Catalogue:
-    """The pairs of materials of a scenario, its threats and its section ``design``."""
+    """The pairs of materials that a scenario offers, its threats and its section ``design``, as arrays for a search.
+
+    Parameters of the core are in SI units; their fields are those of `Parameters`.
+    """
 
     scenario: Scenario
     section: DesignSection
@@ -71,24 +74,24 @@ class Catalogue:
     bounds: Floats  # greatest probabilities of perforation, 0.5 where none is required, (threats,)
     sampled: bool  # whether uncertain inputs are sampled to judge the bounds
     offers: tuple[Offer, ...]
-    layers: Floats  # parameters of the engine that a pair sets, 0 elsewhere, (pairs, fields)
+    layers: Floats  # parameters of the core that a pair sets, 0 elsewhere, (pairs, fields)
     materials: tuple[Materials, ...]  # by pair
-    projectiles: Floats  # parameters that a threat sets, 0 elsewhere, (threats, fields)
+    projectiles: Floats  # parameters of the core that a threat sets, 0 elsewhere, (threats, fields)
 
     def materials_in(self, pair: int) -> dict[str, object]:
-        """Return the changes of the scenario, by key, that put a pair of materials into its armour."""
+        """Return the names of the materials of a pair, given its index, by key of the scenario."""
         layers = zip(LAYER_WORDS, self.offers[pair][:2], strict=True)
         return {NAMES[role]: layer.material for role, layer in layers if layer.material}
 
     def against(self, pair: int, threat: int) -> Scenario:
-        """Return the scenario of a pair against a threat."""
-        # Without the catalogue, the other changes are made more quickly.
+        """Return the scenario with the materials of a pair and the impact of a threat, given their indices."""
+        # Without its lists of threats and materials, the scenario is made and checked more quickly.
         alone = {"threat": [], "design": None, **self.threats[threat].as_impact()}
         return self.scenario.replaced({**alone, **self.materials_in(pair)})
 
     @cached_property
     def exact_bounds(self) -> Floats:
-        """Bounds on the probabilities of perforation with exact inputs, (threats,).
+        """Bounds on the probabilities of perforation that are computed with exact inputs, (threats,).
 
         If inputs are sampled, these bounds, twice the given ones but at most 0.5, only exclude hopeless designs: about
         half of the samples are at least as unfavourable as the design's own values, so that the mean probability is at
@@ -101,17 +104,17 @@ class Catalogue:
 
     @cached_property
     def lacks_sources(self) -> Bools:
-        """Whether the ceramic of each pair has neither tests nor two sources of its flow stress."""
+        """Whether the ceramic of each pair has neither tests nor two sources of its flow stress, (pairs,)."""
         return np.array([ceramic is not None and lacks_sources(ceramic) for ceramic, _ in self.materials])
 
     @cached_property
     def metal(self) -> Bools:
-        """Whether the back plate of each pair counts as a metal; designs without a metal get no verdict."""
+        """Whether the back plate of each pair counts as a metal, (pairs,); designs without a metal get no verdict."""
         return np.array([not is_no_metal(offer.backing_density_kg_m3) for offer in self.offers])
 
     @cached_property
     def untested(self) -> list[bool]:
-        """Whether the ceramic of each pair has no known test on a metal plate; false for a bare plate."""
+        """For each pair, whether no test of its ceramic on a metal plate is known; false for a bare plate."""
         return [ceramic is not None and is_untested(ceramic) for ceramic, _ in self.materials]
 
     @cached_property
@@ -120,11 +123,12 @@ class Catalogue:
         return np.array([threat.velocity_m_s for threat in self.threats])
 
     def against_each(self, candidates: CandidateDesigns) -> Variants:
-        """Return rows of designs against each threat at its velocity, (designs * threats,), design by design."""
+        """Return one impact for each design and threat, (designs * threats,), the first design's first."""
         design_of_row, threat_of_row = np.divmod(np.arange(len(candidates.pair) * len(self.threats)), len(self.threats))
         designs = candidates.at(design_of_row)
-        # The evidence is looked up for each of the materials of the rows.
+        # Keep only the materials that occur: the evidence is looked up once for each.
         pairs, place_of_row = np.unique(designs.pair, return_inverse=True)
+        # Layers and projectiles set different parameters and are 0 elsewhere: their sum is the whole row.
         rows = Variants(
             self.layers[designs.pair] + self.projectiles[threat_of_row],
             self.velocities_m_s[threat_of_row],
@@ -138,12 +142,15 @@ class Catalogue:
     def combinations(
         self, pair: int, ceramic_mm: Sequence[float] | Floats, backing_mm: Sequence[float] | Floats
     ) -> CandidateDesigns:
-        """Return the designs of a pair with each ceramic thickness in turn on every back plate thickness, mm."""
+        """Return the designs of a pair, given its index, with all combinations of given thicknesses, mm.
+
+        The first ceramic on every back plate comes first.
+        """
         ceramics, backings = np.asarray(ceramic_mm, dtype=np.float64), np.asarray(backing_mm, dtype=np.float64)
         return self.candidates(pair, np.repeat(ceramics, len(backings)), np.tile(backings, len(ceramics)))
 
     def candidates(self, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> CandidateDesigns:
-        """Return n designs of a pair with given thicknesses, mm, (n,), and their areal density, thickness and cost."""
+        """Return n designs of a pair, given its index and their thicknesses, mm, (n,), with areal density and cost."""
         offer, inert = self.offers[pair], self.scenario.inert
         ceramic_mass = offer.ceramic_density_kg_m3 * ceramic_mm * MM
         counted_mm = backing_mm * self.scenario.counts_backing
@@ -160,7 +167,7 @@ class Catalogue:
         )
 
     def every(self) -> CandidateDesigns:
-        """Return all designs: each pair of materials in all combinations of its thicknesses."""
+        """Return all designs of the catalogue: each pair in all combinations of its thicknesses, pair by pair."""
         parts = [
             self.combinations(pair, offer.ceramic.thicknesses(), offer.backing.thicknesses())
             for pair, offer in enumerate(self.offers)
@@ -168,8 +175,9 @@ class Catalogue:
         return CandidateDesigns(*map(np.concatenate, zip(*parts, strict=True)))
 
     def far_from_tests(self, designs: CandidateDesigns) -> list[list[tuple[Far, ...]]]:
-        """Return for each design, by threat, in what it is far from the tests, see `evidence.tests.far_from_tests`."""
+        """Return, by design and threat, in what a design is far from the tests; see `evidence.tests.far_from_tests`."""
         layers = [*zip(*(column.tolist() for column in designs[:3]), strict=True)]
+        # What was tested does not depend on the thicknesses, except for whether there is a tile.
         tested = {}
         for pair, has_tile in {(pair, tile_mm > 0.0) for pair, tile_mm, _ in layers}:
             armours = self.against_each(self.candidates(pair, np.array([float(has_tile)]), np.ones(1))).armours
@@ -181,7 +189,7 @@ class Catalogue:
         ]
 
     def violations(self, candidates: CandidateDesigns) -> Floats:
-        """Return the largest relative constraint violation of each design, (n,); 0 for none."""
+        """Return by what fraction each design exceeds the limits on areal density, thickness and cost, (n,)."""
         violations = np.zeros(len(candidates.pair))
         for name, words in OBJECTIVES.items():
             if (most := getattr(self.section, words.bound)) is not None:
@@ -189,11 +197,14 @@ class Catalogue:
         return violations
 
     def objective(self, candidates: CandidateDesigns) -> Floats:
-        """Return the quantity that the section minimises, of each design, (n,)."""
+        """Return what the section ``design`` minimises, such as the areal density, of each design, (n,)."""
         return getattr(candidates, self.section.minimise)
 
     def ranges(self, pair: int) -> list[tuple[str, str, float, float]]:
-        """Return key, layer, and least and greatest thickness, mm, of each range of a pair; lists are left out."""
+        """Return the ranges from which the thicknesses of a pair, given its index, are chosen; lists are left out.
+
+        Each comes as its key in the scenario, its layer, "ceramic" or "back plate", and its ends, mm.
+        """
         ranges = []
         places = divmod(pair, len(self.section.backing))
         for layer, place, (role, name) in zip(self.offers[pair][:2], places, LAYER_WORDS.items(), strict=True):
@@ -203,7 +214,7 @@ class Catalogue:
         return ranges
 
     def _key(self, role: str, place: int) -> str:
-        """Return the key of the thicknesses of a layer: a role and the place in its list of materials."""
+        """Return the key of the thicknesses of a layer, given its role and its place in the list of materials."""
         in_catalogue = getattr(self.scenario.design, role, ())
         return f"design.{role}[{place}].thickness_mm" if in_catalogue else f"optimise.{role}_thickness_mm"
 
@@ -217,7 +228,7 @@ class Catalogue:
 
     @cached_property
     def costed(self) -> list[bool]:
-        """For each pair, whether all layers have a cost; an existing back plate needs none."""
+        """For each pair, whether all layers of its designs have a cost; a back plate that exists already needs none."""
         inert = all(layer.has_cost() for layer in self.scenario.armour.layer)
         counted = 1 + self.scenario.counts_backing
         layers = ((offer.ceramic, offer.backing)[:counted] for offer in self.offers)
@@ -225,19 +236,22 @@ class Catalogue:
 
 
 def asks_for_design(scenario: Scenario) -> bool:
-    """Return whether a scenario asks for a design, and not only about its own armour."""
+    """Return whether a scenario asks to search for a design, and not only about its own armour."""
     section = scenario.design
     return scenario.optimise is not None or (section is not None and not section.model_fields_set.isdisjoint(ASKING))
 
 
 def catalogue_of(scenario: Scenario) -> Catalogue:
-    """Return the catalogue of a scenario; if it lists no threats, its impact is the threat."""
-    section = _section_of(scenario)
+    """Return the catalogue of a scenario; if it lists no threats, its impact is the threat.
+
+    Raise an InputError with every mistake in the section ``design``, such as too many designs.
+    """
+    section = _completed_section(scenario)
     threats = scenario.threats()
-    bounds = [*map(section.bound, threats)]
+    bounds = [*map(section.bound, threats)]  # None where no probability is required
     required = np.array([bound is not None for bound in bounds])
     sampled = bool(required.any() and scenario.distributions())
-    refuse([*_too_many(scenario.file, section, len(threats)), *_wrong_layers(scenario, section)])
+    refuse([*_numbers_too_large(scenario.file, section, len(threats)), *_wrong_layers(scenario, section)])
 
     # A bare plate has no ceramic.
     ceramics = [scenario.entry("ceramic", layer.material) if layer.material else None for layer in section.ceramic]
@@ -250,8 +264,8 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
         "projectile": [{OBLIQUITY: each.obliquity_deg, **rod.inputs_as("projectile")} for each, rod in rounds],
     }
     varying = {name for rows in inputs.values() for name in INPUTS if len({row.get(name) for row in rows}) > 1}
-    refuse(_placed(scenario, {VELOCITY, CERAMIC, BACKING} | varying) if sampled else ())
-    parameters = {role: np.array([_parameters(row) for row in rows]) for role, rows in inputs.items()}
+    refuse(_placed_distributions(scenario, {VELOCITY, CERAMIC, BACKING} | varying) if sampled else ())
+    parameters = {role: np.array([_core_parameters(row) for row in rows]) for role, rows in inputs.items()}
     layers = (parameters["ceramic"][:, None] + parameters["backing"][None]).reshape(-1, len(Parameters._fields))
     for name, law in scenario.model.laws().items():
         getattr(batch.fields(parameters["projectile"]), name)[:] = law
@@ -273,8 +287,8 @@ def catalogue_of(scenario: Scenario) -> Catalogue:
     )
 
 
-def _placed(scenario: Scenario, varying: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each distribution with a place of its own of an input that varies with design or threat."""
+def _placed_distributions(scenario: Scenario, varying: Collection[str]) -> Iterator[Problem]:
+    """Yield a problem for each distribution with a mean or an end of its own, of an input in `varying`, by name."""
     for name, distribution in scenario.distributions().items():
         if distribution.placed and name in varying:
             message = (
@@ -285,9 +299,9 @@ def _placed(scenario: Scenario, varying: Collection[str]) -> Iterator[Problem]:
 
 
 def _wrong_layers(scenario: Scenario, section: DesignSection) -> Iterator[Problem]:
-    """Yield a problem for each layer that is listed twice or lacks a cost needed.
+    """Yield a problem for each material of the catalogue that is listed twice or lacks a cost that is asked for.
 
-    A back plate that exists but is not the armour's own is a problem, too.
+    Another is a back plate, said to exist already, that is not the armour's own.
     """
     costs = COST_COLUMN in (section.minimise, *(section.pareto or ())) or section.cost_max_per_m2 is not None
     file, armour = scenario.file, scenario.armour
@@ -310,8 +324,8 @@ def _wrong_layers(scenario: Scenario, section: DesignSection) -> Iterator[Proble
             yield Problem(file, "design.backing", message.format(armour.backing_thickness_mm, armour.backing))
 
 
-def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:
-    """Yield a problem for each number of a catalogue that is too large; `threats` is the number of threats."""
+def _numbers_too_large(file: str, section: DesignSection, threats: int) -> Iterator[Problem]:
+    """Yield a problem for too many pairs, designs or threats of a catalogue; `threats` is the number of threats."""
     roles = section.ceramic, section.backing
     pairs = len(section.ceramic) * len(section.backing)
     ceramics, backings = (sum(len(layer.thicknesses()) for layer in layers) for layers in roles)
@@ -325,16 +339,16 @@ def _too_many(file: str, section: DesignSection, threats: int) -> Iterator[Probl
         yield Problem(file, "threat", message)
 
 
-def _parameters(inputs: Mapping[str, float]) -> list[float]:
-    """Return the parameters of the engine that inputs of the library set, 0 elsewhere."""
+def _core_parameters(inputs: Mapping[str, float]) -> list[float]:
+    """Return the parameters of the core that some inputs set, by field and in SI units; 0 for the others."""
     fields = fields_of(inputs, 1.0)
     return [fields.get(name, 0.0) for name in Parameters._fields]
 
 
-def _section_of(scenario: Scenario) -> DesignSection:
+def _completed_section(scenario: Scenario) -> DesignSection:
     """Return the section ``design``; if it lists no ceramic, or no back plate, add the scenario's own.
 
-    The thicknesses of the added layer are those of the grid; an existing back plate has its own.
+    The thicknesses of the added layer are those of the section ``optimise``; a back plate that exists has its own.
     """
     section, armour = scenario.design or DesignSection(), scenario.armour
     ceramics, backings = section.ceramic, section.backing

@@ -31,15 +31,15 @@ from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, RequiredProbability, Threat
 
-# Changes with which every armour is checked: factor of the impact velocity, and angles.
+# Changes with which every armour is checked: factor of the impact velocity, and angles, degrees.
 FASTER, ANGLES_DEG = 1.05, (0.0, 30.0)
-# Probability of the safe speed where none is required.
+# Probability of stopping up to the safe speed, where none is required.
 USUAL_PROBABILITY = 0.95
 
 
 @dataclass(frozen=True)
 class WhatIf:
-    """The armour with one change, against a threat.
+    """The answer of a check with one small change of the armour or the threat.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class CheckedThreat:
-    """The armour against one threat.
+    """The answer of a check for one threat: limits, probability, verdict, and the same after small changes.
 
     Attributes
     ----------
     threat : str
-        Name of the threat.
+        Name of the threat, with its numbers.
     projectile : str
     velocity_m_s, obliquity_deg : float
     ballistic_limit_m_s : float or None
@@ -141,7 +141,10 @@ class CheckedThreat:
     probability_v50_exceeds_velocity: float | None = None
 
     def as_given(self) -> WhatIf:
-        """Return the armour without a change; its probability of stopping is that with exact inputs."""
+        """Return the answer for the armour as it is, to list it above those with changes.
+
+        As theirs, its probability of stopping is that with exact inputs.
+        """
         limit, error, probability = self.ballistic_limit_m_s, self.model_error, self.probability_of_stopping
         if self.sampled is not None:
             probability = None
@@ -152,7 +155,7 @@ class CheckedThreat:
 
 @dataclass(frozen=True, repr=False)
 class CheckResult(TableResult):
-    """One armour against its threats.
+    """The check of one armour: the answer for each of its threats, and the verdict on the armour.
 
     Attributes
     ----------
@@ -187,7 +190,7 @@ class CheckResult(TableResult):
     basis: dict[str, str] = field(default_factory=dict, hash=False)
 
     def _columns(self) -> dict[str, list[object]]:
-        """Return a row for the armour as given, with what is judged, and one for each change, which has no verdict."""
+        """Return for each threat a row for the armour as given, with its verdict, and one for each change, without."""
         rows: list[dict[str, object]] = []
         for threat in self.threats:
             verdict = verdict_of([threat.verdict, *(row.verdict for row in self.requirements)])
@@ -199,10 +202,10 @@ class CheckResult(TableResult):
 
 
 class CheckResults(tuple[CheckResult, ...]):
-    """Checks of several armours, a tuple."""
+    """Checks of several armours, such as those on offer, in the order of their table; a tuple."""
 
     def to_dataframe(self) -> Any:
-        """Return a row for each armour as a data frame of pandas; see `rows`."""
+        """Return the checks as a data frame of pandas, an armour in each row; its columns are those of `rows`."""
         return data_frame(by_column(self.rows()))
 
     def rows(self) -> list[dict[str, object]]:
@@ -210,10 +213,11 @@ class CheckResults(tuple[CheckResult, ...]):
 
         Of several threats, limits and probability are those against the one that decides.
         """
-        return [_row(each) for each in self]
+        return [_offer_row(each) for each in self]
 
 
-def _row(result: CheckResult) -> dict[str, object]:
+def _offer_row(result: CheckResult) -> dict[str, object]:
+    """Return what a table of offers shows of one armour, by column; its labels come first."""
     threat, armour = deciding(result), result.question["scenario"].armour
     row = {
         "ceramic": armour.ceramic,
@@ -238,16 +242,19 @@ def shown_limit(by_model_m_s: float | None, expected_m_s: float | None) -> float
     return by_model_m_s if expected_m_s is None else expected_m_s
 
 
-def _rank(threat: CheckedThreat) -> tuple[int, float]:
-    """Return a sort key that puts first the threat that decides about the armour: of equals, the likeliest to fail."""
+def _order_of_decision(threat: CheckedThreat) -> tuple[int, float]:
+    """Return a sort key, lowest for the threat that decides: that of the worst verdict.
+
+    Of equal verdicts, it is that with the least left of the required probability or, if none is known, of the margin.
+    """
     margin, chance = threat.margin_m_s, threat.probability_of_stopping
     slack = inf if margin is None else margin - threat.required_margin_m_s
     return VERDICTS.index(threat.verdict), slack if chance is None else chance - (threat.required_probability or 0.0)
 
 
 def deciding(result: CheckResult) -> CheckedThreat:
-    """Return the threat that decides about an armour."""
-    return min(result.threats, key=_rank)
+    """Return the answer for the threat that decides the verdict on an armour: the worst one."""
+    return min(result.threats, key=_order_of_decision)
 
 
 @overload
@@ -326,9 +333,10 @@ def check_of(
     needed: bool = True,
     offer: Offer | None = None,
 ) -> CheckResult:
-    """Check the armour of a scenario as `check` does, or without its changes or the flow stress needed.
+    """Check the armour of a scenario, as `check` does without offers.
 
-    An `offer` of this armour gives its cost.
+    `changes` tells whether to compute the small changes, and `needed` whether to search the flow stress that a ceramic
+    without tests needs; both take time.  If the armour is an `offer`, this gives its cost, and its name for tables.
     """
     section = scenario.design or DesignSection()
     threats, distributions = scenario.threats(), scenario.distributions()
@@ -336,7 +344,7 @@ def check_of(
     rows = [row_of(impact) for impact in impacts]
     wrongly_placed = [misplaced(distributions, scenario, impact) for impact in impacts]
     checked_threats = tuple(
-        _checked(
+        _checked_threat(
             row, threat, on_progress, sample=bool(distributions) and not misplacements, changes=changes, needed=needed
         )
         for row, threat, misplacements in zip(rows, threats, wrongly_placed, strict=True)
@@ -370,7 +378,10 @@ def check_of(
 def evaluated(
     scenario: Scenario, columns: Mapping[str, Any], quantities: Sequence[str], threads: int | None = None
 ) -> tuple[dict[str, Any], Counter[str]]:
-    """Evaluate quantities for rows of values, as `evaluate_groups` does, and the verdict of `check` on each row."""
+    """Evaluate quantities for n rows of values, as `evaluate_groups` does, and also the verdict of `check`.
+
+    `columns` has the values, (n,), by key.  Return the results, (n,), by name, and the number of rows of each warning.
+    """
     found, warnings = evaluate_groups(groups_of(scenario, columns), quantities, threads)
     if VERDICT in quantities:
         rows = zip(*(values.tolist() for values in columns.values()), strict=True)
@@ -379,39 +390,41 @@ def evaluated(
     return {name: found[name] for name in quantities}, warnings
 
 
-def _checked(
+def _checked_threat(
     row: Variants, threat: Threat, on_progress: OnProgress, *, sample: bool, changes: bool, needed: bool
 ) -> CheckedThreat:
-    """Check the armour of a scenario, a single row, whose impact is the given threat.
+    """Return the answer of a check for one threat; `row` is the armour, a single row, with the impact of this threat.
 
-    `sample` tells whether to sample the distributions of its inputs if a probability is required, and `changes` and
-    `needed` whether to check the changes and to find the flow stress needed.
+    `sample` tells whether to sample the distributions of the inputs if a probability is required; `changes` and
+    `needed` are those of `check_of`.
     """
     against, section = row.scenario, row.scenario.design or DesignSection()
     result = confidence_in(row, on_progress)
     limit, error, bound = result.ballistic_limit_m_s, result.model_error, section.bound(threat)
     probability, sampled = probability_by_tests(against, limit, error), None
-    greatest = 1.0 if error is None else error.greatest_probability
+    greatest_probability = 1.0 if error is None else error.greatest_probability
     if bound is not None and sample and is_sampled(against):
         sampled = probability_of_perforation(against, bound, on_progress=lambda count, _: on_progress(count, None))
         probability = 1.0 - sampled.value
-    reached = row.limits_anywhere() if limit is None else np.array([limit])
-    if reached >= threat.required_m_s:
-        reached = row.lowest_limits(reached)
+    # If the limit is high enough, a denser scan looks for a lower one.
+    lowest_limit = row.limits_anywhere() if limit is None else np.array([limit])
+    if lowest_limit >= threat.required_m_s:
+        lowest_limit = row.lowest_limits(lowest_limit)
     expected = expected_limit = result.expected_limit_m_s
-    if error is not None and reached[0] != limit:
-        expected = float(row.shot_distributions(reached).quantile(0.5)[0])
+    # The verdict is on the expected limit that belongs to the lowest one; the result shows that of the usual scan.
+    if error is not None and lowest_limit[0] != limit:
+        expected = float(row.shot_distributions(lowest_limit).quantile(0.5)[0])
     standing = Standing(
-        float(reached[0]),
+        float(lowest_limit[0]),
         expected,
         not row._replace(velocities=np.array([threat.required_m_s])).perforated()[0],
         probability,
-        greatest,
+        greatest_probability,
         sampled,
     )
     verdict, requirements = against_threat(against, threat, against.core_armour(), row.materials[0].ceramic, standing)
     what_ifs = []
-    for change, values in _changes(against, section.thickness_tolerance_mm) if changes else ():
+    for change, values in _small_changes(against, section.thickness_tolerance_mm) if changes else ():
         changed = against.replaced(values)
         # The limit does not depend on the velocity.
         found = result if VELOCITY in values else confidence_in(row_of(changed), on_progress)
@@ -419,7 +432,7 @@ def _checked(
         stopping = probability_of_stopping(changed, found.ballistic_limit_m_s, found.model_error)
         what_ifs.append(WhatIf(change, changed.impact.velocity_m_s, *limits, stopping))
     required, flow_stress, safe_speed = None if bound is None else 1.0 - bound, None, None
-    if limit is not None and error is not None and greatest >= (required or USUAL_PROBABILITY):
+    if limit is not None and error is not None and greatest_probability >= (required or USUAL_PROBABILITY):
         safe_speed = limit * float(error.of_shots.quantile(1.0 - (required or USUAL_PROBABILITY)))
     shown = shown_limit(limit, expected_limit)
     if needed and probability is None:
@@ -435,7 +448,7 @@ def _checked(
         interval_m_s=result.interval_m_s,
         margin_m_s=None if shown is None else shown - threat.velocity_m_s,
         required_margin_m_s=threat.margin_m_s,
-        probability_of_stopping=None if probability is None else min(probability, greatest),
+        probability_of_stopping=None if probability is None else min(probability, greatest_probability),
         required_probability=required,
         reason=result.reason,
         probability_at_normal_incidence=result.probability_at_normal_incidence,
@@ -444,15 +457,18 @@ def _checked(
         verdict=verdict,
         what_ifs=tuple(what_ifs),
         requirements=requirements,
-        sampled=sampled and sampled.at_least(1.0 - greatest),
+        sampled=sampled and sampled.at_least(1.0 - greatest_probability),
         far_from_tests=tuple(map(str, far_from_tests(against, row.armours))),
         name=threat.round_name,
         probability_v50_exceeds_velocity=result.probability_v50_exceeds_velocity,
     )
 
 
-def _changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
-    """Yield each change of armour or impact to check: its words, and the new value by key."""
+def _small_changes(scenario: Scenario, tolerance_mm: float) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield the small changes of armour and impact to check, each in words and as the new value by key.
+
+    `tolerance_mm` is that of the thicknesses; a layer that is no thicker stays.
+    """
     for key, words in ((CERAMIC, "tile"), (BACKING, "plate")):
         thickness = getattr(scenario.armour, key.partition(".")[2])
         if thickness > tolerance_mm > 0.0:

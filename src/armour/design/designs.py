@@ -1,6 +1,6 @@
-"""Table of the designs of a catalogue, with queries such as the first design that passes.
+"""Table of the designs of a catalogue, with questions to it such as which is the first design that passes.
 
-Verdicts, ballistic limits and sampled probabilities are computed only for the designs that a query needs.
+Verdicts, ballistic limits and sampled probabilities are computed only for the designs that a question needs.
 """
 
 from collections.abc import Iterator
@@ -17,13 +17,14 @@ from armour.design.requirements import EVEN, Verdict, verdict_of, verdict_of_sam
 from armour.scenario.inputs import BACKING, CERAMIC
 from armour.scenario.schema import FASTEST_M_S, Uncertainty
 
-# What impacts tell of designs, from the worst; UNJUDGED is nothing yet.  A design of NOT_KNOWN is stopped by the model,
-# but no probability is known or stated; one of PASSES has the required probability or, where none is required, 0.5.
+# Verdicts of a search on designs, from the worst to the best; UNJUDGED is none yet.  A design of NOT_KNOWN is stopped
+# by the model, but no probability is known or stated; one of PASSES has the required probability or, where none is
+# required, 0.5.
 UNJUDGED, FAILS, NOT_KNOWN, PASSES = range(-1, 3)
 # Numbers of impacts and of limits to compute at a time, in a few tenths of a second.
 IMPACTS_AT_A_TIME = 10_000
 LIMITS_AT_A_TIME = 2_000
-# Most designs to try at a time until one passes; all designs tried after that one are in vain.
+# Most designs to try at a time until one passes; those tried with it that come after it are tried in vain.
 FIRST_AT_A_TIME = 500
 # Most back plate thicknesses of a frontier, besides that of the best design.  A square grid with the greatest number of
 # designs has as many.
@@ -33,19 +34,19 @@ MOST_SCENARIOS = 1000
 
 
 class Runs:
-    """Counter of the impacts computed, which also reports them."""
+    """Counter of the impacts computed; call it with the number of new ones, which it adds and reports as progress."""
 
     def __init__(self, on_progress: OnProgress = ignore_progress) -> None:
         self.count, self.on_progress = 0, on_progress
 
     def __call__(self, runs: int, _total: int | None = None) -> None:
-        """Count impacts."""
+        """Add `runs` impacts to the count, and report them."""
         self.count += runs
         self.on_progress(runs, None)
 
 
 class Required(NamedTuple):
-    """What is required of n rows, each a design against a threat."""
+    """What is required of n impacts, each of a design against a threat; arrays, (n,)."""
 
     limits_m_s: Floats  # least limits by the model; 0 where the model error is known
     expected_m_s: Floats  # least expected limits; 0 where the model error is not known, or no margin is required
@@ -54,7 +55,7 @@ class Required(NamedTuple):
 
 
 def required_of(catalogue: Catalogue, rows: Variants) -> Required:
-    """Return what is required of rows, each a design against a threat, (designs * threats,).
+    """Return what is required of designs against each threat, given the rows of `Catalogue.against_each`.
 
     Where the model error is known, this is a probability, and an expected limit if there is a margin; elsewhere, it is
     a limit by the model of at least the velocity plus the margin.
@@ -72,13 +73,13 @@ def required_of(catalogue: Catalogue, rows: Variants) -> Required:
 
 
 def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
-    """Return the verdicts on n designs, (n,), from impacts at the required velocities.
+    """Return the verdict on each of n designs, FAILS, NOT_KNOWN or PASSES, (n,), from impacts at required velocities.
 
-    `rows` has each design against each threat, (n * threats,).
+    `rows` has each design against each threat, (n * threats,), as `Catalogue.against_each` returns it.
     """
     required, threats = required_of(catalogue, rows), len(catalogue.threats)
     remaining = np.arange(len(rows.velocities) // threats)
-    # Designs that one threat perforates are not tried against the next.
+    # A design that one threat perforates fails, and need not be tried against the next.
     for threat in range(threats):
         places = remaining * threats + threat
         stops = stopped(rows.at(places)._replace(velocities=required.limits_m_s[places]), runs)
@@ -98,7 +99,7 @@ def verdicts_of(catalogue: Catalogue, rows: Variants, runs: Runs) -> Ints:
 
 
 def stopped(rows: Variants, runs: Runs) -> Bools:
-    """Return whether rows stop the projectile at their velocities; False above the greatest velocity allowed."""
+    """Return whether each row stops the projectile at its velocity, (n,); False above the greatest velocity allowed."""
     is_stopped = rows.velocities <= FASTEST_M_S
     possible = np.flatnonzero(is_stopped & (rows.velocities > 0.0))
     is_stopped[possible] = ~rows.at(possible).perforated()
@@ -107,10 +108,10 @@ def stopped(rows: Variants, runs: Runs) -> Bools:
 
 
 def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
-    """Return whether the probability of perforation of each row, which must be known, is at most its bound.
+    """Return whether the probability of perforation of each of n rows is at most its bound, (n,).
 
-    One impact by each law of the flow stress decides if the laws agree, which is usual.  For the other rows, the
-    probability is computed from the ballistic limits by the laws.
+    The model errors of the rows must be known.  One impact by each law of the flow stress decides if the laws agree,
+    which is usual.  For the other rows, the probability is computed from the ballistic limits by the laws.
     """
     errors = rows.errors
     by_any, by_all = np.zeros(len(bounds), dtype=bool), np.ones(len(bounds), dtype=bool)
@@ -130,12 +131,12 @@ def within_bounds(rows: Variants, bounds: Floats, runs: Runs) -> Bools:
 
 
 def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> tuple[Floats, Floats]:
-    """Return the slack of rows and the limits that are shown, m/s, given their limits by the model.
+    """Return how much is left of what is required, the slack, and the limits that answers show, m/s, (n,) each.
 
-    The slack is negative if the rows do not meet what is required.  It is the difference of limit by the model and the
-    one required or, where the model error is known, the smaller of two: velocity stopped with the required probability
-    minus velocity of the threat, and expected limit minus the one required.  The limits shown are the expected ones or,
-    where the model error is not known, those by the model.
+    `limits` are those by the model.  The slack is negative if the rows do not meet what is required.  It is the
+    difference of limit by the model and the one required or, where the model error is known, the smaller of two:
+    velocity stopped with the required probability minus velocity of the threat, and expected limit minus the one
+    required.  The limits shown are the expected ones or, where the model error is not known, those by the model.
     """
     required, distributions = required_of(catalogue, rows), rows.shot_distributions(limits)
     expected = distributions.quantile(0.5)
@@ -147,10 +148,10 @@ def slack_m_s(catalogue: Catalogue, rows: Variants, limits: Floats) -> tuple[Flo
 
 
 def measured(catalogue: Catalogue, rows: Variants, runs: Runs, *, lowest: bool = True) -> tuple[Floats, Floats, Floats]:
-    """Return the limits by the model of designs against each threat, those shown, and the slack, m/s.
+    """Return the limits by the model, the limits that answers show, and the slack, see `slack_m_s`, m/s.
 
-    Each is (designs, threats).  The search extends beyond the range of the section ``ballistic_limit``.  If a limit is
-    high enough, a denser scan looks for a lower one, unless `lowest` is False.
+    Each is of designs against each threat, (designs, threats).  The search extends beyond the range of the section
+    ``ballistic_limit``.  If a limit is high enough, a denser scan looks for a lower one, unless `lowest` is False.
     """
     limits = rows.limits_anywhere(runs)
     slack, shown = slack_m_s(catalogue, rows, limits)
@@ -165,11 +166,17 @@ def measured(catalogue: Catalogue, rows: Variants, runs: Runs, *, lowest: bool =
 
 
 class Designs:
-    """Table of the designs on offer, the best by the objective first; a place is the index of a design in it.
+    """Table of all designs of a catalogue, those with the least objective first.
+
+    Designs are given by their places, which are indices in the table, and `where` is an array of places.  What has been
+    computed for a design is kept.
 
     Attributes
     ----------
     columns : CandidateDesigns
+        Materials and dimensions of the designs.
+    values : array
+        Objectives of the designs.
     offered : array of int
         Places of the designs within the limits of the section ``design``, on back plates that may be a metal.
     unsourced : array of bool
@@ -193,11 +200,11 @@ class Designs:
         self._sampled: dict[int, int] = {}
 
     def rows(self, where: Ints) -> Variants:
-        """Return the rows of designs against each threat, (designs * threats,)."""
+        """Return one impact for each design and threat, (designs * threats,), see `Catalogue.against_each`."""
         return self.catalogue.against_each(self.columns.at(where))
 
     def verdicts(self, where: Ints) -> Ints:
-        """Return the verdicts on designs by impacts alone; the lowest limits, and samples, may give worse ones."""
+        """Return FAILS, NOT_KNOWN or PASSES for designs, by impacts alone; lowest limits and samples may give worse."""
         missing, threats = where[self._verdicts[where] == UNJUDGED], len(self.catalogue.threats)
         for part in portions(len(missing), max(IMPACTS_AT_A_TIME // threats, 1)):
             rows = self.rows(missing[part])
@@ -206,14 +213,14 @@ class Designs:
         return self._verdicts[where]
 
     def known(self, where: Ints) -> Bools:
-        """Return whether the model error of each design is known against every threat."""
+        """Return whether the model error of each design is known against every threat, (designs,)."""
         self.verdicts(where)
         return self._known[where]
 
     def measured(self, where: Ints) -> Floats:
-        """Return limits by the model, limits shown and slack of designs, see the function `measured`; they are kept.
+        """Return limits by the model, limits that answers show, and slack of designs, m/s, (3, designs, threats).
 
-        The shape is (3, designs, threats).
+        The function `measured` computes them.
         """
         missing = where[np.isnan(self._measured[0, where, 0])]
         for part in portions(len(missing), max(LIMITS_AT_A_TIME // len(self.catalogue.threats), 1)):
@@ -230,7 +237,7 @@ class Designs:
         return self.measured(where)[1] - self.catalogue.velocities_m_s
 
     def quick_margins_m_s(self, where: Ints) -> Floats:
-        """Return the margins, m/s, (designs, threats), by the usual scan, which may miss lower limits."""
+        """Return the margins as `margins_m_s` does, but by the usual scan alone, which may miss lower limits."""
         margins = np.empty((len(where), len(self.catalogue.threats)))
         for part in portions(len(where), max(LIMITS_AT_A_TIME // margins.shape[1], 1)):
             shown = measured(self.catalogue, self.rows(where[part]), self.runs, lowest=False)[1]
@@ -238,25 +245,25 @@ class Designs:
         return margins
 
     def passes(self, where: Ints, least: int = PASSES) -> Bools:
-        """Return whether designs have at least the verdict `least`, also by their lowest limits; without samples."""
+        """Return whether designs have at least the verdict `least` by impacts and lowest limits, not by samples."""
         passed = self.verdicts(where) >= least
         passed[passed] = (self.slack_m_s(where[passed]) >= 0.0).all(axis=1)
         return passed
 
     @cached_property
     def points(self) -> Floats:
-        """Points at which uncertain inputs are sampled, the same for all designs."""
+        """Points of the unit cube at which uncertain inputs are sampled, the same for all designs; see `points_of`."""
         return points_of(self.catalogue.scenario.uncertainty or Uncertainty())
 
     def sampled(self, place: int) -> int:
-        """Return the verdict on a design by its sampled probabilities of perforation; passes if none are sampled."""
+        """Return the verdict on a design by its sampled probabilities of perforation; PASSES if none is sampled."""
         if self.catalogue.sampled and place not in self._sampled:
-            verdict = verdict_of(map(partial(self._sampled_against, place), np.flatnonzero(self.catalogue.required)))
+            verdict = verdict_of(map(partial(self._sampled_verdict, place), np.flatnonzero(self.catalogue.required)))
             self._sampled[place] = {"fails": FAILS, "not known": NOT_KNOWN}.get(verdict, PASSES)
         return self._sampled.get(place, PASSES)
 
-    def _sampled_against(self, place: int, threat: int) -> Verdict:
-        """Return the verdict on a design by samples against a threat; it passes if no probability is known."""
+    def _sampled_verdict(self, place: int, threat: int) -> Verdict:
+        """Return the verdict on a design by samples against one threat; "passes" if no probability is known."""
         scenario = self.against(int(self.columns.pair[place]), int(threat))
         thicknesses = {CERAMIC: float(self.columns.ceramic_mm[place]), BACKING: float(self.columns.backing_mm[place])}
         layers = {key: thicknesses[key] for key in thicknesses if key in scenario.inputs()}
@@ -267,7 +274,7 @@ class Designs:
         return verdict_of_samples(found, bound)
 
     def first(self, where: Ints, least: int = PASSES) -> int | None:
-        """Return the first of some designs with at least the verdict `least`; None if there is none.
+        """Return the place of the first of some designs that has at least the verdict `least`; None if there is none.
 
         The lowest limits count, and so do the sampled probabilities.
         """
@@ -280,12 +287,12 @@ class Designs:
                     return int(place)
         return None
 
-    def ranked(self, where: Ints) -> Ints:
-        """Sort designs: those whose model error is known come first; otherwise the order is kept."""
+    def known_first(self, where: Ints) -> Ints:
+        """Return places sorted so that designs whose model error is known come first; otherwise the order is kept."""
         return where[np.argsort(~self.known(where), kind="stable")]
 
     def of_pair(self, pair: int) -> Ints:
-        """Return the designs on offer of a pair of materials, in the order of the objective."""
+        """Return the places of the designs on offer of a pair, given its index, in the order of the objective."""
         return self.offered[self.columns.pair[self.offered] == pair]
 
     def frontier_backings(self, best: int) -> Floats:
@@ -298,9 +305,10 @@ class Designs:
         return np.append(backings[:: -(-len(backings) // MOST_BACKINGS)], self.columns.backing_mm[best])
 
     def frontier(self, best: int, least: int) -> Ints:
-        """Return for each of `frontier_backings` the design with the thinnest ceramic and at least the verdict `least`.
+        """Return for each back plate the place of the design with the thinnest ceramic that reaches `least`.
 
-        Bounds on sampled probabilities are included.
+        The back plates are the `frontier_backings` of the design at place `best`; one without such a ceramic is left
+        out.  The lowest limits count, and so do the sampled probabilities.
         """
         ceramics, backings = self.columns.ceramic_mm, self.columns.backing_mm
         remaining = self.of_pair(int(self.columns.pair[best]))
@@ -317,10 +325,10 @@ class Designs:
             remaining = remaining[~np.isin(backings[remaining], backings[frontier])]
         return frontier[np.argsort(backings[frontier])]
 
-    def changing(self) -> Iterator[tuple[int, str, float]]:
-        """Yield each case of a thicker layer that is perforated at a velocity that a thinner one stops.
+    def thicker_failures(self) -> Iterator[tuple[int, str, float]]:
+        """Yield where a thicker layer is perforated at a velocity that a thinner one stops, of designs on offer.
 
-        The values are the index of the pair, the name of the layer, and the thickness of the other layer, mm.
+        Each is the index of the pair, the layer, "ceramic" or "back plate", and the thickness of the other layer, mm.
         """
         pairs, ceramics, backings = (column[self.offered] for column in self.columns[:3])
         verdicts = self.verdicts(self.offered)

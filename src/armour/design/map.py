@@ -1,4 +1,4 @@
-"""Ballistic limits of a pair of materials over both thicknesses, and velocities stopped with given probabilities."""
+"""Ballistic limits, and velocities stopped with given probabilities, for designs of a pair on a grid of thicknesses."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -23,18 +23,19 @@ class DesignMap(NamedTuple):
     candidates: CandidateDesigns  # the ceramics in turn, each on every back plate
     limits_m_s: Floats  # lowest ballistic limits by the model, (ceramics, back plates, threats)
     probabilities: tuple[float, ...]
-    # Velocities that are stopped with each of the probabilities by the tests, m/s, (ceramics, back plates, threats,
-    # probabilities); NaN if the model error is not known.
-    by_tests_m_s: Floats
-    greatest: Floats  # greatest probabilities that are stated, (ceramics, back plates, threats)
+    # Velocities that are stopped with each of the probabilities, however far the design is from the tests, m/s,
+    # (ceramics, back plates, threats, probabilities); NaN if the model error is not known.
+    untruncated_m_s: Floats
+    # Greatest probabilities of stopping that may be stated so far from the tests, (ceramics, back plates, threats).
+    greatest_probability: Floats
 
     @property
     def stopped_m_s(self) -> Floats:
-        """These velocities; NaN, too, if no such probability is stated so far from the tests."""
-        return np.where(self.greatest[..., None] >= self.probabilities, self.by_tests_m_s, np.nan)
+        """Velocities as in `untruncated_m_s`, but NaN too far from the tests to state the probability."""
+        return np.where(self.greatest_probability[..., None] >= self.probabilities, self.untruncated_m_s, np.nan)
 
     def stopped_with(self, probability: float) -> Floats:
-        """Return velocities that are stopped with one of the probabilities, m/s, (ceramics, back plates, threats)."""
+        """Return `stopped_m_s` for one of the `probabilities`, (ceramics, back plates, threats)."""
         return np.asarray(self.stopped_m_s[..., self.probabilities.index(probability)])
 
 
@@ -48,7 +49,7 @@ def design_map(
 ) -> DesignMap:
     """Compute ballistic limits, and velocities stopped with given probabilities, for all combinations of thicknesses.
 
-    `pair` is the index of a pair of materials; the thicknesses of its layers are in mm.
+    `pair` is the index of a pair in the catalogue; the thicknesses of its layers are in mm.
     """
     ceramics, backings = np.array(ceramic_mm, dtype=np.float64), np.array(backing_mm, dtype=np.float64)
     shape = len(ceramics), len(backings), len(catalogue.threats)
@@ -57,17 +58,21 @@ def design_map(
     limits = rows.limits_anywhere(on_progress)
     # The velocity of shots that are stopped with a probability p is the quantile at 1 - p.
     tails = 1.0 - np.array(probabilities)
-    by_tests = rows.shot_distributions(limits).quantile(tails[None]).reshape(*shape, len(tails))
-    greatest = rows.errors.greatest.reshape(shape)
-    return DesignMap(pair, ceramics, backings, candidates, limits.reshape(shape), probabilities, by_tests, greatest)
+    untruncated_m_s = rows.shot_distributions(limits).quantile(tails[None]).reshape(*shape, len(tails))
+    grid = pair, ceramics, backings, candidates
+    return DesignMap(*grid, limits.reshape(shape), probabilities, untruncated_m_s, rows.errors.greatest.reshape(shape))
 
 
 def with_known_edges(catalogue: Catalogue, pair: int, ceramic_mm: Floats, backing_mm: Floats) -> tuple[Floats, Floats]:
-    """Add thicknesses to a grid, mm: those on both sides of where the model error becomes known or unknown."""
+    """Return the axes of a grid, mm, with points added on both sides of where the model error becomes known or unknown.
+
+    A map then shows these edges where they are.  The given thicknesses, `ceramic_mm` and `backing_mm`, rise.
+    """
     grids = [ceramic_mm, backing_mm]
     scans = [np.linspace(mm[0], mm[-1], EDGE_POINTS) if len(mm) > 1 else mm for mm in grids]
 
     def is_known(*thicknesses: Any) -> Any:
+        """Return whether the model error is known, or left out, against all threats; two arrays, mm, broadcast."""
         ceramics, backings = np.broadcast_arrays(*map(np.atleast_1d, thicknesses))
         known = catalogue.against_each(catalogue.candidates(pair, ceramics.ravel(), backings.ravel())).errors.known
         return known.reshape(*ceramics.shape, -1).all(axis=-1) | catalogue.scenario.excludes_error()

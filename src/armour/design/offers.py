@@ -1,4 +1,4 @@
-"""Tables of offers, as people write them: armours, and what they cost, in the place of the armour of a scenario."""
+"""Read tables of offers: armours on sale, with their prices, in the place of the armour of a scenario."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
@@ -11,19 +11,20 @@ from armour.foreign import Rows
 from armour.scenario.inputs import BACKING, CERAMIC, LAYERS, NAMES
 from armour.scenario.scenario import Scenario
 
-# Key of the material by that of its thickness; the price; and a plate, which names its metal.
+# Keys of materials by those of their thicknesses; of the price; and a column whose plates are names of metals.
 MATERIALS = dict(zip(LAYERS, (NAMES["ceramic"], NAMES["backing"]), strict=True))
 PRICE, PLATE = "cost_per_m2", "plate"
 KEYS = (*LAYERS, *MATERIALS.values(), PRICE, PLATE)
+# Columns of a usual table, for messages.
 USUAL = "ceramic, ceramic thickness (mm), metal, metal thickness (mm), price per m2"
 
 
 class Offer(NamedTuple):
-    """An armour on offer."""
+    """An armour on offer, from a row of a table."""
 
     name: str  # its first label, or else its place in the table
     labels: dict[str, str]  # cells of the columns that are kept, by name
-    scenario: Scenario  # with this armour
+    scenario: Scenario  # the scenario that is asked about, with this armour
     cost_per_m2: float | None  # its price or, without a column of prices, the cost by the scenario
 
 
@@ -37,7 +38,7 @@ class Offers(NamedTuple):
 def read_offers(
     scenario: Scenario, table: str | PathLike[str] | Rows, keep: Sequence[str] = (), sheet: str | None = None
 ) -> Offers:
-    """Read a table of offers; an InputError has every mistake, with its row and column.
+    """Read a table of offers, an armour in each row; an InputError has every mistake, with its row and column.
 
     Each row replaces the layers of the scenario's armour that have a column of thicknesses.  Columns of the names in
     `keep` are labels, of which the first names the offers.
@@ -56,18 +57,18 @@ def read_offers(
     for row in found.rows:
         if PLATE in row.texts:
             row.texts.setdefault(MATERIALS[BACKING], row.texts[PLATE])
-        changes, wrong = _armour(row, names)
+        changes, wrong = _offered_layers(row, names)
         try:
-            case = scenario.replaced(changes)
+            changed = scenario.replaced(changes)
         except InputError as error:
-            case, wrong = scenario, [*wrong, *((problem.key, problem.message) for problem in error.problems)]
-        if not scenario.counts_backing and _plate(case) != _plate(scenario):
+            changed, wrong = scenario, [*wrong, *((problem.key, problem.message) for problem in error.problems)]
+        if not scenario.counts_backing and _plate(changed) != _plate(scenario):
             wrong.append((BACKING, "must be the plate of [armour], as design.existing says that it exists"))
         for key, message in wrong:
             source.wrong(f"{row.place}: {names.get(key, key)}", message)
         kept = {name: row.texts.get(key, "") for name, key in keys.items()}
-        cost = row.numbers.get(PRICE) if PRICE in names else case.cost_per_m2()
-        offers.append(Offer(next(iter(kept.values()), row.place), kept, case, cost))
+        cost = row.numbers.get(PRICE) if PRICE in names else changed.cost_per_m2()
+        offers.append(Offer(next(iter(kept.values()), row.place), kept, changed, cost))
     source.refuse()
     return Offers(offers, found.read)
 
@@ -78,7 +79,7 @@ def _plate(scenario: Scenario) -> tuple[str, float]:
 
 
 def _wrong_columns(names: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield what is wrong with the columns of a table of offers, given their names by key."""
+    """Yield each mistake in the columns of a table of offers, as column and message; `names` has the columns by key."""
     if PLATE in names:
         yield names[PLATE], f"must not be given with {names[MATERIALS[BACKING]]}, which names the metal too"
     for thickness, material in MATERIALS.items():
@@ -89,8 +90,11 @@ def _wrong_columns(names: Mapping[str, str]) -> Iterator[tuple[str, str]]:
         yield "", f"must have the thickness of a layer in a column, such as {USUAL}"
 
 
-def _armour(row: CsvRow, names: Mapping[str, str]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
-    """Return the values by key that a row replaces, and what is wrong with its cells, given the columns by key."""
+def _offered_layers(row: CsvRow, names: Mapping[str, str]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """Return the layers that a row offers, by key of the scenario, and the mistakes in its cells, as key and message.
+
+    `names` has the columns by key; a layer without a column of thicknesses stays the scenario's own.
+    """
     changes, wrong = dict[str, Any](), list[tuple[str, str]]()
     for thickness, material in MATERIALS.items():
         if thickness not in names:

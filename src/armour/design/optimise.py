@@ -23,7 +23,7 @@ from armour.scenario.scenario import Scenario, Varied
 from armour.scenario.schema import OBJECTIVES, RequiredProbability
 from armour.units import MM
 
-# Most pairs of materials for which the needed flow stress is searched.
+# Most pairs of materials for which the flow stress that a ceramic without tests needs is searched, as it takes time.
 MOST_SHOWN = 25
 Reason = Literal["", "none passes", "not known"]
 # Reason why there is no best design, by the verdict on the nearest; other verdicts give none.
@@ -38,7 +38,7 @@ MOST_LISTED = 5
 
 @dataclass(frozen=True)
 class Design:
-    """A design of the catalogue.
+    """A design of the catalogue: its layers, what they weigh and cost, and how it stands against the threats.
 
     Attributes
     ----------
@@ -79,13 +79,14 @@ class Design:
 
 @dataclass(frozen=True)
 class BestDesign(Design):
-    """A design with the check of its armour.
+    """A design with the check of its armour and what it is short of.
 
     Attributes
     ----------
     check : CheckResult
         What `armour.check` finds; of the designs of the pairs of materials, without the changes of the armour.
     ceramic_density_kg_m3, backing_density_kg_m3 : float
+        Densities of the materials; that of the ceramic is 0 for a bare back plate.
     short_m_s : dict of str to float
         By threat: shortfall of the ballistic limit from the limit required, m/s; the required probability counts if the
         model error is known.
@@ -105,7 +106,7 @@ class BestDesign(Design):
 
 @dataclass(frozen=True)
 class Pair:
-    """A ceramic and a metal, with their best design.
+    """A ceramic and a metal on offer, with their best design or, without one, the nearest to passing.
 
     Attributes
     ----------
@@ -134,13 +135,14 @@ class Pair:
 
 @dataclass(frozen=True, repr=False)
 class DesignResult(TableResult):
-    """Result of a design optimisation.
+    """Result of a design optimisation: the best design and those to compare it with.
 
     Attributes
     ----------
     minimised : str
-        Objective.
+        Objective: the key of the quantity that is minimised.
     threats : tuple of str
+        Names of the threats.
     best : BestDesign or None
         None if no design is known to pass.
     reason : {"", "none passes", "not known"}
@@ -194,16 +196,20 @@ class DesignResult(TableResult):
         return shown
 
     def to_dataframe(self, designs: Literal["frontier", "pareto"] = "frontier") -> Any:
-        """Return the frontier, or the Pareto front, as a data frame of pandas."""
+        """Return the frontier or the Pareto front as a data frame of pandas, a design in each row.
+
+        The frontier has the thinnest ceramic that passes on each back plate of the best pair.
+        """
         return data_frame(self._columns(designs))
 
     def _columns(self, designs: str = "frontier") -> dict[str, Any]:
+        """Return the attributes of the designs of the "frontier" or of the front "pareto", by name."""
         columns = {item.name: [getattr(each, item.name) for each in getattr(self, designs)] for item in fields(Design)}
         return columns | {"far_from_tests": list(map(", ".join, columns["far_from_tests"]))}
 
 
 def armour_in_words(design: Design) -> str:
-    """Return the layers of a design, such as "11 mm AD85 on 6 mm 5083-H3"."""
+    """Return the layers of a design in words, such as "11 mm AD85 on 6 mm 5083-H3"."""
     layers = (design.ceramic_thickness_mm, design.ceramic), (design.backing_thickness_mm, design.backing)
     return " on ".join(f"{round(thickness, 3):g} mm {name}" for thickness, name in layers if name and thickness)
 
@@ -241,20 +247,20 @@ def optimise(
     scenario = scenario.requiring(probability)
     catalogue = catalogue_of(scenario)
     designs = Designs(catalogue, Runs(on_progress))
-    place, least = best_place(designs)
-    shown, pair = _best(designs, place), int(designs.columns.pair[place])
-    pairs = _pairs(designs, place, shown, least)
+    place, least = best_place(designs)  # `least` is the verdict that a design must have to be compared with it
+    shown, pair = _checked_design(designs, place), int(designs.columns.pair[place])
+    pairs = _pairs_in_order(designs, place, shown, least)
     reason, criteria = REASONS.get(shown.check.verdict, ""), tuple(catalogue.section.pareto or ())
-    notes = [*shown.check.notes, *catalogue.omissions(), *_of_other_pairs(shown, pairs)]
+    notes = [*shown.check.notes, *catalogue.omissions(), *_notes_on_other_pairs(shown, pairs)]
     frontier = front = np.empty(0, dtype=np.int64)
     without_mm, not_monotonic_mm = list[float](), tuple[float, ...]()
     if least > FAILS:
         frontier = designs.frontier(place, least)
         front = pareto(designs, criteria, least) if criteria else front
-        backings_mm, changing = designs.columns.backing_mm[frontier], sorted(designs.changing())
+        backings_mm, failures = designs.columns.backing_mm[frontier], sorted(designs.thicker_failures())
         without_mm = np.setdiff1d(designs.frontier_backings(place), backings_mm).tolist()
-        not_monotonic_mm = tuple(mm for mm in backings_mm.tolist() if (pair, "ceramic", mm) in changing)
-        notes += [*_at_the_ends(catalogue, pair, shown), *_changing(catalogue, changing)]
+        not_monotonic_mm = tuple(mm for mm in backings_mm.tolist() if (pair, "ceramic", mm) in failures)
+        notes += [*_notes_on_range_ends(catalogue, pair, shown), *_notes_on_thicker_failures(catalogue, failures)]
     return DesignResult(
         minimised=catalogue.section.minimise,
         threats=tuple(threat.title for threat in catalogue.threats),
@@ -273,8 +279,8 @@ def optimise(
     ).of(_subject(catalogue, is_found=not reason), scenario=scenario)
 
 
-def _of_other_pairs(shown: BestDesign, pairs: Sequence[Pair]) -> Iterator[Note]:
-    """Yield the caveats about the designs of other pairs of materials, except for those about `shown`."""
+def _notes_on_other_pairs(shown: BestDesign, pairs: Sequence[Pair]) -> Iterator[Note]:
+    """Yield the caveats about the best or nearest designs of the other pairs that are not among those of `shown`."""
     told = {note.about for note in shown.check.notes}
     for design in filter(None, (pair.best or pair.nearest for pair in pairs)):
         for note in design.check.notes:
@@ -283,9 +289,9 @@ def _of_other_pairs(shown: BestDesign, pairs: Sequence[Pair]) -> Iterator[Note]:
                 yield replace(note, said="detail" if note.said == "detail" else "pairs")
 
 
-def _changing(catalogue: Catalogue, changes: Sequence[tuple[int, str, float]]) -> Iterator[Note]:
-    """Warn of each layer of a pair that may fail if it is thicker, given `Designs.changing` in order."""
-    for (pair, layer), found in groupby(changes, key=itemgetter(0, 1)):
+def _notes_on_thicker_failures(catalogue: Catalogue, failures: Sequence[tuple[int, str, float]]) -> Iterator[Note]:
+    """Warn of each layer of a pair that may fail if it is thicker, given the sorted `Designs.thicker_failures`."""
+    for (pair, layer), found in groupby(failures, key=itemgetter(0, 1)):
         thicknesses = [other_mm for *_, other_mm in found]
         armour = " on ".join(part.material for part in catalogue.offers[pair][:2] if part.material)
         words = ", ".join(f"{thickness:.4g}" for thickness in thicknesses[:MOST_LISTED])
@@ -297,8 +303,8 @@ def _changing(catalogue: Catalogue, changes: Sequence[tuple[int, str, float]]) -
         )
 
 
-def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[Note]:
-    """Warn of each end of a range of thicknesses at which the best design lies."""
+def _notes_on_range_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[Note]:
+    """Warn of each end of a range of thicknesses at which the best design lies; `pair` is the index of its pair."""
     smaller = OBJECTIVES[catalogue.section.minimise].less
     for key, name, low, high in catalogue.ranges(pair):
         thickness = best.ceramic_thickness_mm if name == "ceramic" else best.backing_thickness_mm
@@ -312,10 +318,11 @@ def _at_the_ends(catalogue: Catalogue, pair: int, best: Design) -> Iterator[Note
 
 
 def as_results(designs: Designs, where: Ints) -> tuple[Design, ...]:
-    """Return the designs at some places of a table as results."""
+    """Return the designs at some places of a table, with what results say of them."""
     catalogue, columns = designs.catalogue, designs.columns.at(where)
     offers = [catalogue.offers[pair] for pair in columns.pair]
     costs = zip(columns.pair, columns.cost_per_m2.tolist(), strict=True)
+    # Of back plates that exist already, which thickness and areal density leave out.
     hulls_mm = columns.backing_mm * (not catalogue.scenario.counts_backing)
     hulls_kg_m2 = hulls_mm * MM * [offer.backing_density_kg_m3 for offer in offers]
     by_name = {
@@ -338,8 +345,8 @@ def as_results(designs: Designs, where: Ints) -> tuple[Design, ...]:
     return tuple(Design(**dict(zip(by_name, values, strict=True))) for values in zip(*by_name.values(), strict=True))
 
 
-def _best(designs: Designs, place: int, *, changes: bool = True, needed: bool = True) -> BestDesign:
-    """Return the design at a place of a table with the check of its armour, see `check_of`."""
+def _checked_design(designs: Designs, place: int, *, changes: bool = True, needed: bool = True) -> BestDesign:
+    """Return the design at a place of a table with the check of its armour; `changes` and `needed` as in `check_of`."""
     where, catalogue, pair = np.array([place]), designs.catalogue, int(designs.columns.pair[place])
     [design], [slack], offer = as_results(designs, where), designs.slack_m_s(where).tolist(), catalogue.offers[pair]
     thicknesses = {CERAMIC: design.ceramic_thickness_mm, BACKING: design.backing_thickness_mm}
@@ -358,23 +365,23 @@ def _best(designs: Designs, place: int, *, changes: bool = True, needed: bool = 
     )
 
 
-def _pairs(designs: Designs, place: int, shown: BestDesign, least: int) -> tuple[Pair, ...]:
-    """Return the pairs of materials, each with its best design: the ranked pairs, best first, then the others.
+def _pairs_in_order(designs: Designs, place: int, shown: BestDesign, least: int) -> tuple[Pair, ...]:
+    """Return the pairs of materials in the order of `_pair_order`, each with its best or else its nearest design.
 
-    `place` is that of the design shown, and `least` the verdict that the best design of a pair must reach, by impacts.
-    If no design of a pair is known to pass, its best design is the best one by the computed limit.
+    `place` is that of the design `shown`, and `least` the verdict that the best design of a pair must reach, by
+    impacts.  If no design of a pair is known to pass, its best design is the best one by the computed limit.
     """
     catalogue, least_value = designs.catalogue, float(designs.values[place])
     best_is_known = least > FAILS and bool(designs.known(np.array([place]))[0])
     # Only possible runners-up are sampled, as each design takes thousands of impacts.
-    greatest = least_value * (1.0 + catalogue.section.runners_up_percent / 100.0) if catalogue.sampled else inf
+    greatest_value = least_value * (1.0 + catalogue.section.runners_up_percent / 100.0) if catalogue.sampled else inf
     pairs, few = [], len(catalogue.offers) <= MOST_SHOWN
     for index, offer in enumerate(catalogue.offers):
         found = excess = design = None
         is_known = True
         if least > FAILS:
             possible = designs.of_pair(index)
-            found = designs.first(designs.ranked(possible[designs.values[possible] <= greatest]), least)
+            found = designs.first(designs.known_first(possible[designs.values[possible] <= greatest_value]), least)
             if found is None:
                 found = designs.first(possible[~designs.known(possible)], NOT_KNOWN)
         is_nearest = found is None
@@ -388,15 +395,19 @@ def _pairs(designs: Designs, place: int, shown: BestDesign, least: int) -> tuple
         ranked = is_known
         if found is not None:
             needed, ranked = few or bool(designs.unsourced[found]), is_known and not designs.unsourced[found]
-            design = shown if found == place else _best(designs, found, changes=False, needed=needed)
+            design = shown if found == place else _checked_design(designs, found, changes=False, needed=needed)
         names = offer.ceramic.material, offer.backing.material
         best, nearest_design = (None, design) if is_nearest else (design, None)
         pairs.append(Pair(*names, best, nearest_design, excess, ranked, catalogue.untested[index]))
-    return tuple(sorted(pairs, key=_rank))
+    return tuple(sorted(pairs, key=_pair_order))
 
 
-def _rank(pair: Pair) -> tuple[bool, bool, float, float]:
-    """Return the sort key of a pair: pairs with a design come first, ranked ones before others, the nearest best."""
+def _pair_order(pair: Pair) -> tuple[bool, bool, float, float]:
+    """Return a sort key, lowest for the best pair.
+
+    Pairs with a best design come first, by its objective, then those with a nearest one, by what it exceeds and is
+    short of; of each kind, the ranked ones come before the others.
+    """
     if pair.best is not None:
         return False, not pair.ranked, 0.0, inf if pair.excess_percent is None else pair.excess_percent
     if pair.nearest is None:
@@ -408,7 +419,10 @@ def _rank(pair: Pair) -> tuple[bool, bool, float, float]:
 
 
 def _subject(catalogue: Catalogue, *, is_found: bool) -> str:
-    """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s"."""
+    """Return the title of a result, such as "Lightest AD85 on 6061-T6 against 7.62 mm AP at 850 m/s".
+
+    Unless a design `is_found`, it begins with "Search for".
+    """
     varied: Varied = {
         NAMES["ceramic"]: [offer.ceramic.material for offer in catalogue.offers],
         NAMES["backing"]: [offer.backing.material for offer in catalogue.offers],

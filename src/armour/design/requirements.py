@@ -1,4 +1,4 @@
-"""Requirements on an armour and the verdict on it; all commands and pages judge an armour by this list."""
+"""Judge an armour: what is required of it, what it has, and the verdict, the same in all commands and pages."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -12,21 +12,21 @@ from armour.scenario.library import LibraryEntry
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import OBJECTIVES, DesignSection, Threat
 
-# From the worst; an armour has the worst of the verdicts on it.  Only a required probability that is known to be
-# reached passes.  The words of the model stand where no probability is required, and none is known.
+# From the worst to the best; an armour has the worst of the verdicts on it.  Only a required probability that is known
+# to be reached passes.  The words of the model stand where no probability is required, and none is known.
 Verdict = Literal["fails", "perforated by the model", "not known", "stopped by the model", "expected to stop", "passes"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 # Verdicts with which a command ends with the exit code 0.
 GOOD = VERDICTS[VERDICTS.index("stopped by the model") :]
 # Probability of stopping that an armour must have if none is required: its expected limit is then the velocity.
 EVEN = 0.5
-# Largest relative excess that is rounding.
+# Largest fraction of an areal density, a thickness or a cost that counts as a rounding error.
 SLACK_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """What is required of an armour, and what it has.
+    """One quantity that is required of an armour, what the armour has of it, and the verdict.
 
     Attributes
     ----------
@@ -54,12 +54,15 @@ class Requirement:
 
 
 def verdict_of(verdicts: Iterable[Verdict]) -> Verdict:
-    """Return the verdict on an armour, the worst of the verdicts on it against each threat and on its limits."""
+    """Return the worst of some verdicts, such as those on an armour against each threat; "passes" if there are none."""
     return min(verdicts, key=VERDICTS.index, default="passes")
 
 
 def verdict_of_samples(perforation: Estimate, bound: float) -> Verdict:
-    """Return the verdict on a sampled probability of perforation: not known if its 95 % interval contains the bound."""
+    """Return the verdict on a sampled probability of perforation, given the greatest one allowed, `bound`.
+
+    It is "not known" if the 95 % interval of the estimate contains the bound.
+    """
     return "passes" if perforation.high <= bound else "fails" if perforation.low > bound else "not known"
 
 
@@ -70,19 +73,19 @@ class Standing(NamedTuple):
     expected_m_s: float | None  # its expected limit; None if the model error is not known
     stops: bool  # whether the model stops the projectile at the velocity plus the margin
     probability: float | None  # of stopping a shot, without its upper bound; None if it is not known
-    greatest: float  # greatest probability that is stated
+    greatest_probability: float  # of stopping, that is stated; it falls with the distance from the tests
     sampled: Estimate | None  # probability of perforation, if uncertain inputs are sampled
 
 
 def against_threat(
     scenario: Scenario, threat: Threat, armour: Parameters, ceramic: LibraryEntry | None, standing: Standing
 ) -> tuple[Verdict, tuple[Requirement, ...]]:
-    """Return the verdict on an armour against a threat, and what is required of it.
+    """Return the verdict on an armour against a threat, and the requirements that decide it.
 
-    Where the model does not hold, this is all that the verdict says: for a back plate that does not count as a metal,
-    a layer between tile and back plate, or a ceramic whose flow stress lacks sources.  Otherwise a margin is required
-    if the threat gives one, and a probability if the scenario or the threat gives one.  Without a required probability,
-    a known one must be at least 0.5; if it is not known, the verdict is that of the model.
+    Where the model does not hold, the verdict is "not known" whatever it computes: for a back plate that does not count
+    as a metal, a layer between tile and back plate, or a ceramic whose flow stress lacks sources.  Otherwise a margin
+    is required if the threat gives one, and a probability if the scenario or the threat gives one.  Without a required
+    probability, a known one must be at least 0.5; if it is not known, the verdict is that of the model.
 
     Parameters
     ----------
@@ -91,10 +94,12 @@ def against_threat(
         of layers between tile and back plate, which no shipped test has.
     threat : Threat
     armour : Parameters
-        Armour and projectile.  For some, the limit is known to be too low, see `evidence.caveats`; such a limit alone
-        never fails.
+        Parameters of armour and projectile, SI units.  For some, the limit is known to be too low, see
+        `evidence.caveats`; such a limit alone never fails.
     ceramic : LibraryEntry or None
+        Entry of the ceramic; None for a bare plate.
     standing : Standing
+        Limits and probabilities that were computed for the armour.
     """
     unsound = list[tuple[str, float, float]]()
     if is_no_metal(armour.rho_B):
@@ -112,35 +117,35 @@ def against_threat(
     if expected_m_s is None and margin_m_s >= threat.margin_m_s and not standing.stops:
         margin_m_s -= scenario.ballistic_limit.tolerance_m_s
     reaches = margin_m_s >= threat.margin_m_s
-    short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
+    verdict_if_short: Verdict = "not known" if expected_m_s is None and is_limit_too_low(armour) else "fails"
     if threat.margin_m_s > 0.0:
-        by_margin: Verdict = "passes" if reaches else short
+        by_margin: Verdict = "passes" if reaches else verdict_if_short
         rows.append(Requirement("margin_m_s", threat.title, threat.margin_m_s, margin_m_s, by_margin))
     least, probability, interval = EVEN if bound is None else 1.0 - bound, standing.probability, None
     verdict: Verdict
     if probability is None:
-        verdict = "not known" if reaches else short
+        verdict = "not known" if reaches else verdict_if_short
     elif bound is not None and standing.sampled is not None:
-        sampled = standing.sampled.at_least(1.0 - standing.greatest)
+        sampled = standing.sampled.at_least(1.0 - standing.greatest_probability)
         verdict, interval = verdict_of_samples(standing.sampled, bound), (1.0 - sampled.high, 1.0 - sampled.low)
     else:
         verdict = "passes" if probability >= least else "fails"
     if probability is not None:
-        verdict = "not known" if verdict == "passes" and standing.greatest < least else verdict
-        probability = min(probability, standing.greatest)
+        verdict = "not known" if verdict == "passes" and standing.greatest_probability < least else verdict
+        probability = min(probability, standing.greatest_probability)
     if bound is not None:
         rows.append(Requirement("probability_of_stopping", threat.title, least, probability, verdict, interval))
     elif probability is not None:
         verdict = "expected to stop" if verdict == "passes" else verdict
     elif reaches:
         verdict = "stopped by the model"
-    elif short == "fails":
+    elif verdict_if_short == "fails":
         verdict = "perforated by the model"
     return verdict_of((verdict, *(row.verdict for row in rows))), tuple(rows)
 
 
 def of_armour(section: DesignSection, amounts: Mapping[str, float | None]) -> Iterator[Requirement]:
-    """Yield what is required of an armour whatever the threat: the limits of the section ``design``.
+    """Yield the requirements whatever the threat: greatest areal density, thickness and cost, of those that are given.
 
     `amounts` has the areal density, kg/m², thickness, mm, and cost per m² of the armour by key; None if not known.
     """

@@ -1,4 +1,4 @@
-"""The best design of a table, the nearest where none is known to pass, and the Pareto front."""
+"""Choose from a table of designs: the best or, if none is known to pass, the nearest to passing; the Pareto front."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
@@ -17,22 +17,24 @@ RESOLUTION = {"areal_density_kg_m2": 0.01, "thickness_mm": 0.01, COST_COLUMN: 0.
 
 
 def best_place(designs: Designs) -> tuple[int, int]:
-    """Return the place of the best design of a table or, without one, of the nearest, and its verdict by impacts.
+    """Return the place of the best design of a table or, without one, of the nearest, and the verdict that it reaches.
 
-    That verdict is the least that the design has.  Designs whose model error is known come before the others.  One with
-    a ceramic that lacks sources, or on a back plate that may be no metal, is never the best.
+    The verdict is PASSES or NOT_KNOWN or, of the nearest, FAILS, and the design may have a better one.  Designs whose
+    model error is known come before the others.  One with a ceramic that lacks sources, or on a back plate that may be
+    no metal, is never the best.
     """
     for least, unsourced in ((PASSES, False), (NOT_KNOWN, False), (NOT_KNOWN, True)):
         where = designs.offered[designs.unsourced[designs.offered] == unsourced]
-        if (place := designs.first(designs.ranked(where), least)) is not None:
+        if (place := designs.first(designs.known_first(where), least)) is not None:
             return place, least
     return nearest(designs, np.arange(len(designs.values))), FAILS
 
 
 def nearest(designs: Designs, where: Ints, most: int = MOST_COMPARED) -> int:
-    """Return the place of the design that is nearest to passing, of those within the constraints or nearest to them.
+    """Return the place of the design, among those at `where`, that is nearest to passing.
 
-    `where` has the places to choose from.  It is one of which it is not known whether it passes, if there is one: the
+    Only designs that exceed the limits on areal density, thickness and cost the least are compared, if possible those
+    that keep them.  The nearest is one of which it is not known whether it passes, if there is one: the
     limit is known to be too low or, last, the back plate may be no metal.  Otherwise, its shortfall is the smallest,
     the greatest of those against the threats; ceramics that lack sources come last.  If there are more than `most`
     designs, only the thickest ceramic of each pair on each back plate is compared.
@@ -54,9 +56,10 @@ def nearest(designs: Designs, where: Ints, most: int = MOST_COMPARED) -> int:
 
 
 def undominated(costs: Floats) -> Ints:
-    """Return the indices of the rows, of two or three columns, that no other row dominates; the first of equal rows.
+    """Return the indices of the rows of `costs`, (n, 2) or (n, 3), that no other row dominates.
 
-    A row dominates another if it is at most equal to the other in every column and less in one.
+    Of equal rows, the first counts.  A row dominates another if it is at most equal to the other in every column and
+    less in one.
     """
     order = np.lexsort(costs.T[::-1])
     front = []
@@ -77,10 +80,10 @@ def undominated(costs: Floats) -> Ints:
 
 
 def distinct(costs: Floats, front: Ints, resolutions: Floats) -> Ints:
-    """Drop each row of a front that another row matches, but keep the best row of each column.
+    """Return a front without the rows that another one matches; the best row of each column always stays.
 
-    `front` has indices of rows of `costs`.  A row matches another if in no column it exceeds the other by more than the
-    resolution of that column.
+    `front` has indices of rows of `costs`, (n, columns), and `resolutions` is (columns,).  A row matches another if in
+    no column it exceeds the other by more than the resolution of that column.
     """
     rows = np.sort(front)
     distinct_rows: list[int] = []
@@ -114,7 +117,10 @@ def pareto(designs: Designs, criteria: Sequence[str], least: int) -> Ints:
 
 
 def _resolutions(catalogue: Catalogue, costs: Floats, criteria: Sequence[str]) -> Floats:
-    """Return the least difference of each criterion that matters; for the margin, the tolerance of ballistic limits."""
+    """Return the least difference that matters in each criterion, (criteria,), in the units of `costs`, (n, criteria).
+
+    For the margin, it is the tolerance of ballistic limits.
+    """
     resolutions = {**RESOLUTION, MARGIN_COLUMN: catalogue.scenario.ballistic_limit.tolerance_m_s}
     scales = (costs[:, i].min(initial=np.inf) if name == COST_COLUMN else 1.0 for i, name in enumerate(criteria))
     return np.array([resolutions[name] * scale for name, scale in zip(criteria, scales, strict=True)])

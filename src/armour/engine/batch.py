@@ -1,4 +1,4 @@
-"""Impacts and ballistic limits of many armours, as arrays, computed in threads."""
+"""Compute impacts and ballistic limits of many armours, as arrays, in threads."""
 
 import os
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ class ImpactBatch(NamedTuple):
     V: Floats
     W: Floats
     h: Floats
-    steps: Ints
+    steps: Ints  # number of time steps
 
 
 class Brackets(NamedTuple):
@@ -40,8 +40,8 @@ class Brackets(NamedTuple):
 
     stopped: Floats  # the end of the bracket that is stopped
     perforated: Floats  # the end of the bracket that perforates
-    runs: Ints
-    resolved: NDArray[np.bool_]  # every run ended within the maximum number of steps
+    runs: Ints  # number of impacts computed
+    resolved: NDArray[np.bool_]  # whether every run ended within the maximum number of steps
 
 
 DEFAULT_SETTINGS = RunSettings(V_arrest=1.0, dt=0.0, max_steps=500_000)
@@ -53,7 +53,7 @@ def packed(armours: Sequence[Parameters]) -> Floats:
 
 
 def fields(rows: Floats) -> Any:
-    """Return the columns of an array of packed parameters as `Parameters`, each a view of shape (n,)."""
+    """Return the columns of an array of `packed` parameters as `Parameters`: views of it, (n,)."""
     return Parameters(*rows.T)
 
 
@@ -64,7 +64,7 @@ def impacts(
 
     By default, there is a thread on each core; the results do not depend on the number of threads.
     """
-    counts, ends = _computed("impacts", [rows, velocities], _solver(settings), 6, threads)
+    counts, ends = _run_loop("impacts", [rows, velocities], _solver(settings), 6, threads)
     t, Z, L, V, W, h = ends.T
     return ImpactBatch(counts[:, 0], t, Z, L, V, W, h, counts[:, 1])
 
@@ -84,19 +84,21 @@ def ballistic_limits(
     """
     velocities = np.array(scan(low, high, points), dtype=np.float64)
     velocities.flags.writeable = False
-    counts, ends = _computed("ballistic_limits", [rows], (velocities, float(tolerance), *_solver(settings)), 2, threads)
+    counts, ends = _run_loop("ballistic_limits", [rows], (velocities, float(tolerance), *_solver(settings)), 2, threads)
     return Brackets(ends[:, 0], ends[:, 1], counts[:, 0], counts[:, 1] != 0)
 
 
 def _solver(settings: RunSettings) -> tuple[float, float, int]:
-    """Return the settings that compiled code takes; it takes a word for what its type says."""
+    """Return the settings of the solver as compiled code needs them, with exactly these types."""
     return float(settings.V_arrest), float(settings.dt), int(settings.max_steps)
 
 
-def _computed(
+def _run_loop(
     name: str, inputs: list[Floats], settings: tuple[Any, ...], width: int, threads: int | None
 ) -> tuple[Ints, Floats]:
-    """Call a kernel on portions of the inputs, in threads; return its integers, (n, 2), and numbers, (n, width).
+    """Run a loop of `armour.engine.loops` on portions of n rows, in threads; return what it writes.
+
+    These are integers, (n, 2), and numbers, (n, width).
 
     The inputs are rows of parameters and, for impacts, velocities, m/s, which broadcast to (n,).
     """

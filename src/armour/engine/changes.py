@@ -1,4 +1,4 @@
-"""Equations of the model that a program changes, for as long as it says."""
+"""Let a program change equations of the model for as long as a context lasts, and tell which are changed."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -10,6 +10,7 @@ from armour.core import equations as model_equations
 from armour.core import events, rk4, roots, run, search, stages, state
 from armour.errors import Problem, choices, mistake, refuse
 
+# Names of the equations that can be changed.
 NAMES = [name for name, value in vars(model_equations).items() if isfunction(value)]
 # The modules of the model.
 MODULES = (state, model_equations, stages, roots, rk4, events, run, search)
@@ -45,7 +46,7 @@ def equations(**changed: Callable[..., float]) -> Iterator[None]:
     ('computed with crack_velocity changed',)
     """
     refuse(_mistakes(changed))
-    checked = {name: _checked(name, function) for name, function in changed.items()}
+    checked = {name: _equation_with_check(name, function) for name, function in changed.items()}
     before, count = {name: getattr(model_equations, name) for name in checked}, len(_changed)
     # The bound on the energy, below which nothing is computed, is derived from the equations of the paper.
     bound = search.may_perforate
@@ -75,7 +76,7 @@ def changed_names() -> str:
 
 
 def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
-    """Yield what is wrong with changed equations."""
+    """Yield what is wrong with changed equations, by name: those of no equation, and what is no function."""
     for name, value in changed.items():
         if name not in NAMES:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
@@ -84,13 +85,13 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
 
 
 def _set(module: ModuleType, values: dict[str, Any]) -> None:
-    """Set names of a module of the core, and expect them there."""
+    """Set names of a module of the core to values, and let `changed_names` expect these there."""
     vars(module).update(values)
     _values[module].update(values)
 
 
-def _checked(name: str, function: Callable[..., Any]) -> Callable[..., float]:
-    """Return a changed equation that raises an InputError if its value alone is not a finite number."""
+def _equation_with_check(name: str, function: Callable[..., Any]) -> Callable[..., float]:
+    """Return a changed equation that raises an InputError if it gives no finite number for finite arguments."""
     import numpy as np  # slow to import
 
     def call(*arguments: Any) -> float:

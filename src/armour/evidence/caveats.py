@@ -21,12 +21,12 @@ LONG_ROD, DENSE_KG_M3 = 8.0, 7000.0
 
 
 def is_no_metal(density_kg_m3: Any) -> Any:
-    """Return whether back plates, given their densities, do not count as a metal; float or array."""
+    """Return whether back plates, given their densities, do not count as a metal; a bool or an array."""
     return density_kg_m3 < LEAST_METAL_KG_M3
 
 
 def no_metal(density_kg_m3: float) -> str:
-    """Return the caveat that a back plate does not count as a metal, so that the model may not describe it."""
+    """Return the caveat, in words, that a back plate does not count as a metal, which the model may not describe."""
     return (
         f"a back plate of {floor(density_kg_m3):,} kg/m³ may be no metal: {NOT_MODELLED} (below "
         f"{LEAST_METAL_KG_M3:,.0f}, the density does not tell a laminate from a magnesium-lithium alloy)"
@@ -45,9 +45,9 @@ def is_limit_too_low(armour: Parameters) -> Any:
 
 
 def caveats(armour: Parameters, metals: Iterable[LibraryEntry]) -> Iterator[tuple[Note, Any]]:
-    """Yield the caveats about n armours, and about those of the metals that have doubtful values.
+    """Yield what the model cannot do for n armours, and which of their metals have doubtful values.
 
-    Each caveat comes with a mask of the armours that it is about, (n,).
+    The parameters of `armour` are arrays, (n,).  Each caveat comes with a mask of the armours that it is about, (n,).
     """
     density, key = np.atleast_1d(armour.rho_B), "backing.density_kg_m3"
     unlike = is_no_metal(density)
@@ -75,10 +75,11 @@ def caveats(armour: Parameters, metals: Iterable[LibraryEntry]) -> Iterator[tupl
 
 
 def long_rod(slenderness: float, plate_kg_m3: float, rod_kg_m3: float) -> str:
-    """Return the caveat about a long rod: how far the paper's equations drive it into a plate, without strengths.
+    """Return the caveat, in words, about a long rod: how far the paper's equations drive it into a plate, if fast.
 
     `slenderness` is length over diameter; the densities are in kg/m³.
     """
+    # Without strengths, as those of a fast rod and its plate do not matter.
     speed = equations.penetration_velocity(0.0, plate_kg_m3, 0.0, rod_kg_m3, 1.0, 0.0)
     depth, hydrodynamic = speed / (1.0 - speed), sqrt(rod_kg_m3 / plate_kg_m3)
     return (

@@ -1,4 +1,4 @@
-"""Whether the equations are those used to compute the tests: what is replaced, and a digest of the core's code."""
+"""Tell whether the equations are those that the shipped tests were computed with, by a digest of the core's code."""
 
 from functools import cache
 from hashlib import sha256
@@ -12,7 +12,7 @@ CORE_FOLDER = Path(state.__file__).parent
 
 
 def changed_equations() -> str:
-    """Describe the equations if they are not those used to compute the tests; "" if they are."""
+    """Describe the equations if they are not those that the shipped tests were computed with; "" if they are."""
     if names := changed_names():
         return f"{names} changed"
     return "" if core_digest() == shipped_data()["core"]["sha256"] else "the equations as they are in armour/core"
@@ -20,7 +20,7 @@ def changed_equations() -> str:
 
 @cache
 def core_digest(core: Path = CORE_FOLDER) -> str:
-    """Return a hash of the code of the core; comments, docstrings and layout do not count.
+    """Return a hash of the code in the folder of the core; comments, docstrings and layout do not count.
 
     Without source files, it is the hash of no code, which differs from that stored with the tests.
     """

@@ -1,7 +1,8 @@
 """Fits of the ratio of measured to computed ballistic limits: shipped, for a new lot, or updated by own tests.
 
-The logarithm of the ratio is linear in terms of armour and round, with normal effects of the lot (a production lot of
-an alloy, or a series of tests), of the round and of the test.  docs/evidence/methods.md describes the fits.
+A fit predicts the model error of an armour.  The logarithm of the ratio is linear in terms of armour and round, with
+normal effects of the lot (a production lot of an alloy, or a series of tests), of the round and of the test.
+docs/evidence/methods.md describes the fits.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -47,12 +48,16 @@ ARMOUR = (
 TINY_RATIO = 1e-9
 # Quantities by which rounds are told apart.
 RODS = ("rod_diameter_mm", "rod_length_ratio", "rod_density_kg_m3", "rod_strength_GPa")
-# Values of n armours by name, (n,).
+# Values of n armours, (n,), by name of the quantity; `q` in the functions below.
 Quantities = Mapping[str, Any]
 
 
 def quantities(armour: Parameters, tensile_MPa: Any, cosines: Any) -> dict[str, Any]:
-    """Return the quantities of n armours that the evidence depends on; the parameters are arrays, (n,)."""
+    """Return the quantities of n armours that the evidence depends on, (n,) by name with the unit at its end.
+
+    The parameters of `armour` are arrays, (n,), as are the tensile strengths of the plates and the cosines of the
+    angles.
+    """
     return {
         "ceramic_thickness_ratio": armour.Hc0 / armour.D0,
         "ceramic_density_kg_m3": armour.rho_c,
@@ -77,7 +82,7 @@ def quantities(armour: Parameters, tensile_MPa: Any, cosines: Any) -> dict[str, 
 
 
 def _thickness(q: Quantities, reference: Sequence[float]) -> Any:
-    """Return the logarithm of the back plate thickness over that of the reference, (n,)."""
+    """Return the logarithm of the back plate thickness over the diameter, relative to that of the reference, (n,)."""
     return np.log(q["backing_thickness_ratio"] / reference[0])
 
 
@@ -97,12 +102,12 @@ TERMS: dict[str, Callable[[Quantities, Sequence[float]], Any]] = {
 
 
 def matrix_of(terms: Sequence[str], reference: Sequence[float], q: Quantities) -> Floats:
-    """Return the values of the named terms for n armours, (n, terms)."""
+    """Return the values of the terms named in `TERMS` for n armours, (n, terms); `reference` is that of a `Fit`."""
     return np.column_stack([TERMS[term](q, reference) for term in terms])
 
 
 class LotTests(NamedTuple):
-    """n own tests of a lot, compared with the ballistic limits computed by the law of a fit; arrays, (n,)."""
+    """n own tests of a lot, and how they differ from the ballistic limits that a law gives; arrays, (n,)."""
 
     quantities: Quantities
     errors: Floats  # logarithms of measured limits, or of velocities of shots, over the computed limits
@@ -117,14 +122,17 @@ class LotTests(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """A fit of the logarithm of the armour's ballistic limit over the model's."""
+    """A fit of the model error: of the logarithm of an armour's ballistic limit over the model's.
+
+    It is linear in `terms`, and its errors have Student's t distribution.
+    """
 
     name: str
     terms: tuple[str, ...]
     reference: tuple[float, float]  # thickness over the diameter, and strength, MPa
     coefficients: Floats  # (terms,); own tests of a lot do not change them
-    covariance: Floats
-    variance: float  # of a new lot, round and test
+    covariance: Floats  # of the coefficients, (terms, terms)
+    variance: float  # of a new lot, round and test together, in addition to that by the coefficients
     degrees_of_freedom: float
     standard_deviations: tuple[float, ...]  # between lots, between rounds, of a test, and of the second coefficient
     law: Mapping[str, float] = {}  # parameters of the core that replace the armour's when limits are computed
@@ -132,16 +140,17 @@ class Fit(NamedTuple):
     own: tuple["Posterior", ...] = ()  # distributions given own tests; of several, the lower limit counts
 
     def predicted(self, q: Quantities, ranges: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
-        """Return locations and scales of the distributions of n armours, and factors of the scales above the locations.
+        """Return locations and scales of the logarithms for n armours, and factors of the scales above the locations.
 
-        Each is an array, (n,).  `ranges` has the ranges of the tests by quantity.  Beyond them the trend continues, and
-        half of its change there is added to the scale, as the root of the sum of squares.
+        Each is an array, (n,), as in a `Mixture`.  `ranges` has the ends of the ranges of the tests by quantity.
+        Beyond them the trend continues, and half of its change there is added to the scale, as the root of the sum of
+        squares.
         """
         matrix = matrix_of(self.terms, self.reference, q)
         location, coefficients, narrowed = matrix @ self.coefficients, self.coefficients, np.ones(len(matrix))
         variance = self.variance + np.einsum("ni,ij,nj->n", matrix, self.covariance, matrix)
         if self.own:
-            location, variance, narrowed = lower_of([posterior.given(q) for posterior in self.own])
+            location, variance, narrowed = lower_of([posterior.predicted(q) for posterior in self.own])
             coefficients = self.own[0].coefficients
         for name, ends in ranges.items():
             inside = matrix_of(self.terms, self.reference, {**q, name: q[name].clip(*ends)})
@@ -149,11 +158,12 @@ class Fit(NamedTuple):
         return location, np.sqrt(variance), narrowed
 
     def given(self, tests: LotTests) -> "Fit":
-        """Return the fit for a lot, as `of_lot` returns it, updated by tests of the lot.
+        """Return this fit for a lot, which `of_lot` has returned, updated by tests of the lot.
 
-        The weight of the new fit is the logarithm of the probability density of the tests.
+        The weight of the new fit is the logarithm of the probability density of the tests by this one: of several laws,
+        that which predicts the tests best then has the greatest weight.
         """
-        K, deviations = self.of_tests(tests)
+        K, deviations = self.covariance_and_deviations(tests)
         variances = tests.uncertainties**2
         limits, shots = np.flatnonzero(tests.sides == 0.0), np.flatnonzero(tests.sides)
         S = K[np.ix_(limits, limits)] + np.diag(variances[limits])
@@ -173,13 +183,13 @@ class Fit(NamedTuple):
         return self._replace(degrees_of_freedom=freedom, weight=log_density + own[0].log_factor, own=own)
 
     def probabilities_of_farther(self, tests: LotTests) -> Floats:
-        """Return the probability, (n,), that each of n tests of the lot would lie farther from what the others predict.
+        """Return the probability that each of n tests of the lot would lie farther from what the others predict, (n,).
 
         Only measured limits are compared, with each other; the probability of a shot, which only bounds a limit, is 1.
         """
         from scipy.special import stdtr  # slow to import
 
-        K, deviations = self.of_tests(tests)
+        K, deviations = self.covariance_and_deviations(tests)
         limits, nu = np.flatnonzero(tests.sides == 0.0), self.degrees_of_freedom
         deviations = deviations[limits]
         precision = np.linalg.inv((K + np.diag(tests.uncertainties**2))[np.ix_(limits, limits)])
@@ -191,31 +201,31 @@ class Fit(NamedTuple):
         probabilities[limits] = 2.0 * stdtr(freedom, -np.sqrt(squares * freedom / (nu + other_squares)))
         return probabilities
 
-    def of_lot(self, extra_deviation: float = 0.0, level: Sequence[float] | None = None) -> "Fit":
-        """Return the fit for one lot before its tests: the differences between lots make its coefficients uncertain.
+    def of_lot(self, extra_deviation: float = 0.0, offset: Sequence[float] | None = None) -> "Fit":
+        """Return this fit for one lot before its tests: as lots differ, its coefficients are less certain.
 
         Parameters
         ----------
         extra_deviation : float
             Standard deviation between lots in addition to that of the fit.
-        level : sequence of float, optional
-            Mean and standard deviation of the first coefficient, for a lot that the fit does not cover.
+        offset : sequence of float, optional
+            Mean and standard deviation of the first coefficient, the constant one, for a lot of another ceramic.
         """
         between_lots, _, _, trend = self.standard_deviations
         b, C = self.coefficients.copy(), self.covariance.copy()
         C[0, 0] += between_lots**2 + extra_deviation**2
-        if level is not None:
-            # The variance of the level includes its square: the level is in doubt by as much as it differs from 0.
+        if offset is not None:
+            # The variance of the offset includes its square: the offset is in doubt by as much as it differs from 0.
             C[0], C[:, 0] = 0.0, 0.0
-            b[0], C[0, 0] = level[0], level[1] ** 2 + level[0] ** 2
+            b[0], C[0, 0] = offset[0], offset[1] ** 2 + offset[0] ** 2
         if len(b) > 1:
             C[1, 1] += trend**2
         return self._replace(coefficients=b, covariance=C)
 
-    def of_tests(self, tests: LotTests, shared: Any = 1.0) -> tuple[Floats, Floats]:
-        """Return the covariance of own tests of this lot, (n, n), and their deviations from the expected errors, (n,).
+    def covariance_and_deviations(self, tests: LotTests, shared: Any = 1.0) -> tuple[Floats, Floats]:
+        """Return the covariance of n own tests of this lot, (n, n), and by how much they deviate from the fit, (n,).
 
-        Both are of logarithms of ballistic limits, before the tests are known; `shared` as in `Posterior`.
+        Both are of logarithms of ballistic limits, and before the tests are known; `shared` is that of `Posterior`.
         """
         q, same_armour = tests.quantities, tests.armours[:, None] == tests.armours
         matrix, rest, repeat = matrix_of(self.terms, self.reference, q), *self.variances_of_test()
@@ -226,7 +236,7 @@ class Fit(NamedTuple):
         return K, tests.errors - matrix @ self.coefficients
 
     def variances_of_test(self) -> tuple[float, float]:
-        """Return the variance of armours of a lot about the terms of the fit, and the part between repeated tests."""
+        """Return the variance of tests of a lot about the terms of the fit, and its part between repeated tests."""
         rest = max(self.standard_deviations[2], LEAST_REST) ** 2
         return rest, min(REPEAT**2, rest)
 
@@ -242,13 +252,13 @@ class Fit(NamedTuple):
 
 
 class Posterior(NamedTuple):
-    """Distribution of the limits of a lot given m own tests, one of which may have a gross error; arrays, (m,)."""
+    """Distribution of the model error in a lot given m own tests, one of which may have a gross error; arrays, (m,)."""
 
-    lot: Fit  # before its tests
+    lot_fit: Fit  # the fit for the lot before its tests
     tests: LotTests
     shared: Any  # 1 if armours like that of a test share its deviation, otherwise 0
     precision: Floats  # inverse of the covariance of the tests, (m, m)
-    deviations: Floats  # of the tests from the errors expected before them
+    deviations: Floats  # of the tests from the fit before them
     shifts: Floats  # expected gross errors of the tests
     variances: Floats  # that possible gross errors add to a limit, over the square of its gain from each test
     widened_by: float  # factor of the variance of a limit, if tests contradict each other or the fit
@@ -256,13 +266,13 @@ class Posterior(NamedTuple):
 
     @classmethod
     def of(
-        cls, lot: Fit, tests: LotTests, deviations: Floats, variances: Floats, chance: float, shared: Any
+        cls, lot_fit: Fit, tests: LotTests, deviations: Floats, variances: Floats, chance: float, shared: Any
     ) -> "Posterior":
-        """Return the distribution given tests of a lot, each with a chance of a gross error.
+        """Return the distribution given tests of a lot, each with the probability `chance` of a gross error.
 
         `deviations` and `variances`, (m,), are those of the tests, with `as_measurements` in the place of shots.
         """
-        K, nu = lot.of_tests(tests, shared)[0], lot.degrees_of_freedom
+        K, nu = lot_fit.covariance_and_deviations(tests, shared)[0], lot_fit.degrees_of_freedom
         precision: Any = np.linalg.inv(K + np.diag(variances))
         # The first hypothesis is that all tests are sound.  Each other one is that one test has a gross error, which
         # changes one element of the covariance matrix.
@@ -279,29 +289,29 @@ class Posterior(NamedTuple):
         widened_by = np.maximum(1.0, (nu + squares) / (nu + expected))
         by_change = probabilities[1:] * changes
         return cls(
-            *(lot, tests, shared, precision, deviations),
+            *(lot_fit, tests, shared, precision, deviations),
             shifts=by_change * residuals,
             variances=by_change * (widened_by[1:] + changes * residuals**2),
             widened_by=float(probabilities @ widened_by),
             log_factor=float(logarithms.max() + np.log(odds.sum())),
         )
 
-    def given(self, q: Quantities) -> tuple[Floats, Floats]:
-        """Return locations and squared scales of the logarithms of n other limits of the lot over the model's, (n,)."""
-        lot, matrix = self.lot, matrix_of(self.lot.terms, self.lot.reference, q)
-        covariance = lot.covariance_of(q, self.tests.quantities, self.shared)
+    def predicted(self, q: Quantities) -> tuple[Floats, Floats]:
+        """Return locations and squared scales of the logarithms for n other armours of the lot, (n,) each."""
+        fit, matrix = self.lot_fit, matrix_of(self.lot_fit.terms, self.lot_fit.reference, q)
+        covariance = fit.covariance_of(q, self.tests.quantities, self.shared)
         gain = covariance @ self.precision
-        before = np.einsum("ni,ij,nj->n", matrix, lot.covariance, matrix)
-        before += lot.standard_deviations[1] ** 2 + lot.variances_of_test()[0] + series_variance(self.tests.quantities)
+        before = np.einsum("ni,ij,nj->n", matrix, fit.covariance, matrix)
+        before += fit.standard_deviations[1] ** 2 + fit.variances_of_test()[0] + series_variance(self.tests.quantities)
         variance = self.widened_by * (before - (gain * covariance).sum(axis=1))
         variance += gain**2 @ self.variances - (gain @ self.shifts) ** 2
-        return matrix @ lot.coefficients + gain @ (self.deviations - self.shifts), variance
+        return matrix @ fit.coefficients + gain @ (self.deviations - self.shifts), variance
 
     @property
     def coefficients(self) -> Floats:
         """Expected coefficients of the lot given its tests, (terms,)."""
-        lot, Z = self.lot, matrix_of(self.lot.terms, self.lot.reference, self.tests.quantities)
-        return lot.coefficients + lot.covariance @ Z.T @ self.precision @ (self.deviations - self.shifts)
+        fit, Z = self.lot_fit, matrix_of(self.lot_fit.terms, self.lot_fit.reference, self.tests.quantities)
+        return fit.coefficients + fit.covariance @ Z.T @ self.precision @ (self.deviations - self.shifts)
 
 
 def series_variance(tested: Quantities) -> float:
@@ -312,9 +322,10 @@ def series_variance(tested: Quantities) -> float:
 def mixture_of(
     fits_by_law: Sequence[Fit], q: Quantities, ranges: Mapping[str, tuple[float, float]] = MappingProxyType({})
 ) -> Mixture:
-    """Return the distributions of the limits of n armours over those by each law, (laws, n).
+    """Return the distributions of the limits of n armours over those by each law, with the shape (laws, n).
 
-    The fits are updated by own tests, see `Fit.given`, so that their weights are logarithms.
+    There is a fit for each law, updated by own tests with `Fit.given`, so that its weight is a logarithm.  `ranges` is
+    that of `Fit.predicted`.
     """
     parts = zip(*(fit.predicted(q, ranges) for fit in fits_by_law), strict=True)
     locations, scales, narrowed = (np.array(columns) for columns in parts)
@@ -324,9 +335,10 @@ def mixture_of(
 
 
 def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
-    """Combine distributions of n limits, each with locations and squared scales, (n,), into one that is not higher.
+    """Return a distribution of n limits that is nowhere higher than any of those given.
 
-    Return its location, squared scale, and factor of the scale above the location, (n,) each.  The probability that a
+    Each of these has locations and squared scales, (n,).  The result has location, squared scale, and factor of the
+    scale above the location, (n,) each.  The probability that a
     limit exceeds a velocity is then at most that by each of the given distributions.
     """
     means, variances = (np.array(columns) for columns in zip(*given, strict=True))
@@ -336,9 +348,10 @@ def lower_of(given: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Fl
 
 
 def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
-    """Return whether another test of the same armour confirms each of n tests, (n,), 0 or 1.
+    """Return 1 for each of n tests that another test of the same armour confirms, otherwise 0, (n,).
 
-    `deviations` and `variances`, (n,), are those of the logarithms of the limits.
+    Two tests confirm each other if they differ by less than two standard deviations.  `deviations` and `variances`,
+    (n,), are those of the logarithms of the limits.
     """
     same = is_same_armour(tests.quantities, tests.quantities) & ~np.eye(len(deviations), dtype=bool)
     apart = abs(deviations[:, None] - deviations) < 2.0 * np.sqrt(2.0 * REPEAT**2 + variances[:, None] + variances)
@@ -346,12 +359,12 @@ def confirmed(tests: LotTests, deviations: Floats, variances: Floats) -> Any:
 
 
 def is_same_armour(q: Quantities, tested: Quantities) -> Any:
-    """Return whether each of n armours is that of each of m tests, against the same round, (n, m)."""
+    """Return whether each of n armours is practically that of each of m tests, against the same round, (n, m)."""
     return same_rods(q, tested) & (distances(q, tested) < SAME_ARMOUR)
 
 
 def distances(q: Quantities, tested: Quantities) -> Floats:
-    """Return how far n armours are from m others, (n, m): the Euclidean distance of the logarithms of `ARMOUR`."""
+    """Return how unlike n armours are m others, (n, m): the Euclidean distance of the logarithms of `ARMOUR`."""
     logs = [np.log(np.maximum([each[name] for name in ARMOUR], TINY_RATIO)) for each in (q, tested)]
     return np.sqrt(((logs[0][:, :, None] - logs[1][:, None]) ** 2).sum(axis=0))
 
@@ -363,7 +376,10 @@ def same_rods(q: Quantities, tested: Quantities) -> Any:
 
 
 def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
-    """Return the logarithm of the density of Student's t distribution of n values, except for a constant times n."""
+    """Return the logarithm of the density of a t distribution at n deviations, (n,), up to a constant times n.
+
+    `scale` is its scale matrix, (n, n), and `freedom` its degrees of freedom.
+    """
     n, squares = len(deviations), float(deviations @ np.linalg.solve(scale, deviations))
     log_density = lgamma(0.5 * (freedom + n)) - lgamma(0.5 * freedom) - 0.5 * n * np.log(freedom)
     return float(log_density - 0.5 * ((freedom + n) * np.log1p(squares / freedom) + np.linalg.slogdet(scale)[1]))
@@ -372,11 +388,11 @@ def _log_density(deviations: Floats, scale: Floats, freedom: float) -> float:
 def as_measurements(
     mean: Floats, covariance: Floats, places: Floats, sides: Floats, variances: Floats
 ) -> tuple[Floats, Floats, float]:
-    """Replace the outcomes of n shots by normal measurements of their limits, by expectation propagation.
+    """Return normal measurements of limits that stand for the outcomes of n shots, by expectation propagation.
 
     Before the shots, the limits have a normal distribution with `mean`, (n,), and `covariance`, (n, n).  Each limit
     lies above the place of its shot, side 1, or below it, side -1, apart from an error with one of the `variances`.
-    Return means and variances of the measurements, (n,), and the logarithm of the probability of the outcomes.
+    The results are means and variances of the measurements, (n,), and the logarithm of the probability of the outcomes.
     """
     n = len(mean)
     from scipy.special import log_ndtr  # slow to import
@@ -413,13 +429,16 @@ def as_measurements(
 
 
 def law_parameters(role: str, values: Mapping[str, float]) -> dict[str, float]:
-    """Return values of a library entry, by key, as parameters of the core, SI units."""
+    """Return values of a library entry, by key, as parameters of the core, by field and in SI units.
+
+    `role` is that of the entry in an armour, such as "ceramic".
+    """
     return {(parameter := INPUTS[f"{role}.{key}"]).field: value * parameter.factor for key, value in values.items()}
 
 
 @cache
 def shipped_data() -> dict[str, Any]:
-    """Return the content of configs/evidence.toml."""
+    """Return the content of configs/evidence.toml: the shipped tests, the fits to them, and caveats."""
     return read_toml(shipped("configs") / "evidence.toml")
 
 

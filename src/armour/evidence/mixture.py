@@ -1,4 +1,4 @@
-"""Mixtures of Student's t distributions: the ballistic limit of an armour given the evidence.
+"""Mixtures of Student's t distributions, which describe the ballistic limit of an armour given the evidence.
 
 Student's t distribution is computed by quadrature for one armour, as scipy is slow to import, and by scipy for many.
 """
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 # Tolerance of a quantile, or of its logarithm, and the most steps to it; ten are usual.
 QUANTILE_TOLERANCE, MOST_STEPS = 1e-12, 200
-# Greatest count of numbers of one armour to compute without scipy.
+# Most values of one armour that are computed without scipy.
 MOST_WITHOUT_SCIPY = 1000
 
 
@@ -51,9 +51,9 @@ class Mixture(NamedTuple):
         return self.weights.ndim > 1 or values.size > MOST_WITHOUT_SCIPY
 
     def times(self, limits: ArrayLike) -> "Mixture":
-        """Return the distribution of limits, given that of the ratio and the limits by the model, m/s.
+        """Return the distribution of the armour's limit, m/s, if this is that of its ratio to the model's limit.
 
-        The limits have the shape (k, ...), or there is one for all.
+        `limits` are those by the model, m/s, with the shape (k, ...), or there is one for all.
         """
         factors = np.asarray(limits, dtype=np.float64)
         if self.logarithmic:
@@ -61,7 +61,7 @@ class Mixture(NamedTuple):
         return self._replace(locations=self.locations * factors, scales=self.scales * factors)
 
     def of_shots(self, scatter: Floats | float) -> "Mixture":
-        """Return the distribution of the velocity below which a single shot is stopped, given that of V50.
+        """Return the distribution of the velocity below which a single shot is stopped, if this is that of V50.
 
         `scatter` is the standard deviation of these velocities about V50, over V50: one for all armours, or (n,).
         """
@@ -70,11 +70,11 @@ class Mixture(NamedTuple):
         return self._replace(scales=scales, narrowed=np.hypot(self.scales * self.narrowed, deviations) / scales)
 
     def one(self, place: int = 0) -> "Mixture":
-        """Return the distribution of one of n armours, (k, n) -> (k,)."""
+        """Return the distribution of one of n armours, with the shape (k,), from a mixture with the shape (k, n)."""
         return self.mapped(lambda array: array[:, place])
 
     def mapped(self, function: Callable[[Floats], Floats]) -> "Mixture":
-        """Apply a function to every array of the mixture; return the new mixture."""
+        """Return the mixture with a function applied to each of its arrays, such as one that selects armours."""
         weights, locations, scales, freedom = map(function, self[:4])
         narrowed = self.narrowed if isinstance(self.narrowed, float) else function(self.narrowed)
         return Mixture(weights, locations, scales, freedom, self.logarithmic, narrowed)
@@ -115,7 +115,7 @@ class Mixture(NamedTuple):
         return self._log_density(places) - (places if self.logarithmic else 0.0)
 
     def _log_density(self, places: Floats) -> Any:
-        """Return the logarithm of the density at places as `_at` returns them, per unit of these."""
+        """Return the logarithm of the density at places that `_at` has returned, per unit of these."""
         weights, freedom, scores, scales = self._scores(places)
         constant = np.log(_constants(freedom) / np.sqrt(freedom))
         kernel = 0.5 * (freedom + 1.0) * np.log1p(scores**2 / freedom)
@@ -136,18 +136,18 @@ class Mixture(NamedTuple):
         return components, np.exp(values) if self.logarithmic else values
 
     def _parts(self, values: Floats) -> list[Floats]:
-        """Return weights, locations, scales, degrees of freedom and factors, with axes to broadcast with values."""
+        """Return weights, locations, scales, degrees of freedom and `narrowed`, with axes to broadcast with values."""
         arrays = (*self[:4], self.narrowed * np.ones_like(self.scales))
         return [array.reshape(array.shape + (1,) * (values.ndim + 1 - array.ndim)) for array in arrays]
 
     def _scores(self, places: Floats) -> tuple[Floats, ...]:
-        """Return weights, degrees of freedom, (places - locations) / scales, and the scales, which may be narrowed."""
+        """Return weights, degrees of freedom, (places - locations) / scales, and scales, narrowed above locations."""
         weights, locations, scales, freedom, narrowed = self._parts(places)
         scales = scales * np.where(places > locations, narrowed, 1.0)
         return weights, freedom, (places - locations) / scales, scales
 
     def _at(self, values: ArrayLike) -> Floats:
-        """Return the values or, if `logarithmic`, their logarithms, at which the components are evaluated."""
+        """Return the places where the components are evaluated: the values or, if `logarithmic`, their logarithms."""
         with np.errstate(divide="ignore"):
             return np.log(values) if self.logarithmic else np.asarray(values, dtype=np.float64)
 
@@ -166,9 +166,9 @@ LEAST_DENSITY = 1e-300
 
 
 def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
-    """Return the probability that Student's t distribution gives values below t; the arrays broadcast.
+    """Return the probability that Student's t distribution gives values below `t`; the arrays broadcast.
 
-    `many` asks for scipy, which is slow to import.
+    `freedom` are its degrees of freedom.  If `many`, scipy computes it, which is fast but slow to import.
     """
     if many:
         from scipy.special import stdtr  # slow to import
@@ -178,7 +178,7 @@ def probability_below(freedom: Floats, t: Floats, *, many: bool) -> Floats:
 
 
 def quantile(freedom: Floats, probabilities: Floats, *, many: bool) -> Floats:
-    """Return quantiles of Student's t distribution; the arrays broadcast, and `many` asks for scipy."""
+    """Return quantiles of Student's t distribution with `freedom` degrees of freedom; `many` as above."""
     if many:
         from scipy.special import stdtrit  # slow to import
 
@@ -210,13 +210,16 @@ def _below(freedom: Floats, constants: Floats, angle: Floats) -> Floats:
 
 
 def _constants(freedom: Floats) -> Floats:
-    """Return the density at an angle of 0, see `_constant`, in the shape of the degrees of freedom."""
+    """Return the density over the angle at 0, see `_constant`, in the shape of the degrees of freedom."""
     return np.reshape([_constant(each) for each in freedom.ravel().tolist()], freedom.shape)
 
 
 @lru_cache(1000)
 def _constant(freedom: float) -> float:
-    """Return Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi)), by its series if there are many."""
+    """Return the density over the angle at 0, Gamma((freedom + 1) / 2) / (Gamma(freedom / 2) sqrt(pi)).
+
+    From 200 degrees of freedom on, a series gives it, as differences of large logarithms would lose digits.
+    """
     half = 0.5 * freedom
     if half < 100.0:
         return float(np.exp(lgamma(half + 0.5) - lgamma(half)) / np.sqrt(np.pi))

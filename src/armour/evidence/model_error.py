@@ -1,4 +1,4 @@
-"""Model error of a scenario or of many of its variants: its distribution, its tests, and why it is not known."""
+"""Model error of armours, the ratio of actual to computed ballistic limit: its distribution, or why it is not known."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -23,10 +23,10 @@ from armour.scenario.schema import DesignSection, Model, Solver
 
 # Probabilities of the quantiles that results give.
 ERROR_QUANTILES = (0.025, 0.05, 0.5, 0.95, 0.975)
-# Prior of the scatter of shots, the standard deviation of the velocities that single shots need to perforate, per cent
-# of V50: median, and the factor of one standard deviation of its logarithm.
+# Scatter that is assumed for shots where none is given, the standard deviation of the velocities that single shots need
+# to perforate, per cent of V50: median, and the factor of one standard deviation of its logarithm.
 SCATTER_PERCENT, SCATTER_FACTOR = 2.0, 2.0
-# Mean of this prior, and where it comes from.
+# Mean of this distribution, and its source in words.
 MEAN_SCATTER_PERCENT = SCATTER_PERCENT * exp(0.5 * log(SCATTER_FACTOR) ** 2)
 ASSUMED = f"assumed: {SCATTER_PERCENT:g} % within a factor of {SCATTER_FACTOR:g}"
 # Parameters of the core that a law of the limits may replace.
@@ -35,9 +35,11 @@ LAW_FIELDS = ("Yc0", "n_B", "n_cB", "a_c", "a_B", "YB", "tau", "Hc0", "Hb")
 DOUBTED = ("backing_thickness_ratio", "backing_strength_GPa", "rod_mass_ratio")
 # Greatest tolerance of a ballistic limit to which the error of the tests applies, m/s: a small part of it.
 MAX_TOLERANCE_M_S = 1.0
+# Reason why the error is not known with a layer between tile and back plate.
 INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
+# Reason why a given error is not used.
 BARE = "uncertainty.model gives an error without both its source and degrees_of_freedom"
 
 
@@ -116,7 +118,7 @@ class ModelError:
 
     @classmethod
     def of_ratio(cls, ratio: Mixture, source: str, outside: tuple[str, ...] = (), **others: Any) -> Self:
-        """Return the error, given the distribution of actual over computed limit of one armour, with k components.
+        """Make the error of one armour from the distribution of its actual over its computed limit, (k,).
 
         `outside` is the attribute ``extrapolated``; `others` are further attributes.
         """
@@ -133,7 +135,7 @@ class ModelError:
 
     @cached_property
     def ratio(self) -> Mixture:
-        """Distribution of the ratio of the armour's ballistic limit to that of the model."""
+        """Distribution of the ratio of the armour's ballistic limit to that by the model."""
         numbers = (self.mean_percent, self.scale_percent, self.degrees_of_freedom)
         mean, scale, freedom = (np.array([number], dtype=np.float64) for number in numbers)
         return Mixture(np.ones(1), 1.0 + mean / 100.0, scale / 100.0, freedom, logarithmic=False)
@@ -145,7 +147,10 @@ class ModelError:
 
     @checked
     def quantile(self, probability: FloatOrArray) -> Any:
-        """Return the quantile, a fraction of at least -0.99, for a probability of 0 to 1; float or array."""
+        """Return the error that is not exceeded with a probability of 0 to 1, as a fraction of at least -0.99.
+
+        Both are floats or arrays.
+        """
         if not ((probability >= 0.0) & (probability <= 1.0)).all():
             raise mistake("quantile", "probability", f"must be 0 to 1, found {probability}")
         return (self.ratio.quantile(probability) - 1.0).clip(min=-0.99)
@@ -176,7 +181,10 @@ class ModelError:
 
     @checked
     def probability_v50_exceeds(self, limit_m_s: FloatOrArray, velocity_m_s: FloatOrArray) -> Any:
-        """Return the probability that V50, the ballistic limit of the armour, exceeds a velocity, both as above."""
+        """Return the probability that V50, the ballistic limit of the armour, exceeds a velocity.
+
+        The arguments are those of `probability_of_stopping`; the scatter of shots does not count.
+        """
         return self.ratio.probability_above(velocity_m_s / limit_m_s)
 
 
@@ -193,7 +201,7 @@ class ErrorRows(NamedTuple):
 
     @classmethod
     def unknown(cls, count: int, laws: int = 1) -> "ErrorRows":
-        """Return errors of `count` armours that are not known."""
+        """Make the errors of `count` armours for none of which the error is known."""
         shape = (laws, count)
         nothing, ones = np.zeros(shape), np.ones(shape)
         ratio = Mixture(np.full(shape, np.nan), nothing, ones, ones.copy(), narrowed=ones.copy())
@@ -207,7 +215,7 @@ class ErrorRows(NamedTuple):
 
     @property
     def of_shots(self) -> "ErrorRows":
-        """The distributions of the velocities below which single shots are stopped, in place of those of V50."""
+        """The same with distributions of the velocities below which single shots are stopped, in place of V50."""
         return self._replace(ratio=self.ratio.of_shots(self.scatters))
 
     def of_law(self, law: int) -> Mixture:
@@ -217,7 +225,7 @@ class ErrorRows(NamedTuple):
 
 
 def given_error(scenario: Scenario) -> ModelError | None:
-    """Return the error that the section ``uncertainty.model`` gives; None if it gives none, or a bare one."""
+    """Return the error that the section ``uncertainty.model`` gives; None if it gives none, or one without a source."""
     section = None if scenario.uncertainty is None else scenario.uncertainty.model
     if section is None or section.scale_percent is None or section.is_bare:
         return None
@@ -225,9 +233,10 @@ def given_error(scenario: Scenario) -> ModelError | None:
 
 
 def scatter_of(scenario: Scenario, materials: Materials, *, bare: bool) -> tuple[float, str]:
-    """Return the scatter of shots at an armour, per cent of V50, and its source.
+    """Return the scatter of shots at an armour, per cent of V50, and its source in words.
 
-    Its ceramic or, of a bare plate, its metal gives it, or else the section ``design``; otherwise it is assumed.
+    `bare` tells whether the armour has no tile.  Its ceramic or, of a bare plate, its metal gives it, or else the
+    section ``design``; otherwise it is assumed.
     """
     entry = materials.backing if bare or materials.ceramic is None else materials.ceramic
     for given in (entry, scenario.design or DesignSection()):
@@ -237,7 +246,7 @@ def scatter_of(scenario: Scenario, materials: Materials, *, bare: bool) -> tuple
 
 
 def _scatters_of(scenario: Scenario, armours: Armours) -> Floats:
-    """Return the scatter of shots at each of n armours over V50, (n,)."""
+    """Return the scatter of shots at each of n armours, as a fraction of V50, (n,)."""
     percents = np.full(len(armours.material_of_row), MEAN_SCATTER_PERCENT)
     for place, materials in enumerate(armours.materials):
         for is_bare in (False, True):
@@ -247,7 +256,7 @@ def _scatters_of(scenario: Scenario, armours: Armours) -> Floats:
 
 
 def other_settings(scenario: Scenario) -> str:
-    """Describe the settings and equations of the model that differ from those used to compute the tests; "" if none."""
+    """Describe the settings and equations that differ from those that the tests were computed with; "" if none does."""
     sections = (("model", scenario.model, Model()), ("solver", scenario.solver, Solver()))
     values = ((name, key, value, getattr(usual, key)) for name, section, usual in sections for key, value in section)
     others = [f"{name}.{key} = {value}" for name, key, value, usual in values if value != usual]
@@ -268,7 +277,8 @@ def _why_by_settings(scenario: Scenario) -> str:
 def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     """Return the model errors of n armours under the settings of a scenario.
 
-    The errors come from the own tests of the library entries, or else from the shipped tests.
+    The scenario may give the error, or exclude it.  Otherwise the errors come from the own tests of the library
+    entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
     if scenario.excludes_error() or (error is None and (scenario.interlayers or _why_by_settings(scenario))):
@@ -295,7 +305,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
 def _laws_of(
     scenario: Scenario, evidence: Evidence, armours: Armours, rows: Any
 ) -> Iterator[tuple[int, Any, Floats, tuple[Any, ...], Any]]:
-    """Yield the laws for which evidence gives the model error of some of n armours, marked in the mask `rows`.
+    """Yield the laws by which evidence gives the model error of some of n armours, marked in the mask `rows`, (n,).
 
     Each comes as its index among the laws of the armours, 0 for their own; the indices of the armours; its parameters,
     by field of `LAW_FIELDS`; weights, locations, scales, degrees of freedom and factors of the scales, as of a
@@ -304,7 +314,7 @@ def _laws_of(
     With a ceramic, the law of the armour comes first; the flow stress by the others is in proportion to its own.
     The scenario may assume that a limit at an angle is at least that at normal incidence.
     """
-    oblique = evidence.fails_angle(armours.cosines)
+    oblique = evidence.excludes_angle(armours.cosines)
     # The greatest angle at which an armour is assumed to have at least its limit at normal incidence.
     as_at_normal = evidence.ceramic and scenario.design and scenario.design.angles_as_at_normal_incidence
     at_least_deg = 90.0 if as_at_normal else evidence.at_least_deg
@@ -333,12 +343,12 @@ def _laws_of(
 
 
 def law_of(parameters: Parameters) -> Floats:
-    """Return the parameters of n armours that a law may replace, (fields, n)."""
+    """Return the parameters of n armours that a law may replace, by field of `LAW_FIELDS`, (fields, n)."""
     return np.array([getattr(parameters, name) for name in LAW_FIELDS])
 
 
 def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: float) -> ModelError | None:
-    """Return the model error of a single armour; None if it is not known.
+    """Return the model error of a single armour, with its source, as results give it; None if it is not known.
 
     `ratio` is the distribution of its actual over its computed limit, `limit_m_s` the computed limit.
     """
@@ -350,7 +360,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
     if (error := given_error(scenario)) is not None:
         return ModelError.of_ratio(ratio, error.source, **shots)
     [(evidence, _)] = armour.by_evidence
-    oblique = bool(evidence.fails_angle(armour.cosines).all())
+    oblique = bool(evidence.excludes_angle(armour.cosines).all())
     q = (armour.at_normal_incidence() if oblique else armour).quantities()
     return ModelError.of_ratio(
         ratio,
@@ -364,7 +374,7 @@ def error_of(scenario: Scenario, ratio: Mixture, armour: Armours, limit_m_s: flo
 
 
 def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: float) -> TestsHere | None:
-    """Return the own tests of a single armour, None without any; arguments as in `error_of`."""
+    """Return the own tests of this very armour, None without any; arguments as in `error_of`."""
     q, posterior = armour.with_law(evidence.fits[0].law).quantities(), evidence.fits[0].own[0]
     tests, tested = posterior.tests, posterior.tests.quantities
     here = is_same_armour(q, tested)[0]
@@ -372,7 +382,7 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
         return None
     # `ratio` is given all tests and is relative to the limit by the model.  Leaving out the tests of this armour moves
     # its locations, law by law, as it moves those of the mixture.
-    without = [fit.own[0].lot.given(fit.own[0].tests.at(~here)) for fit in evidence.fits]
+    without = [fit.own[0].lot_fit.given(fit.own[0].tests.at(~here)) for fit in evidence.fits]
     given, others = (mixture_of(each, q).one() for each in (evidence.fits, without))
     predicted = others._replace(locations=ratio.locations[1:] + others.locations - given.locations).times(limit_m_s)
     low, median, high = predicted.quantile((0.025, 0.5, 0.975)).tolist()
@@ -391,7 +401,7 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
-    """Return why the model error is not known for a single armour."""
+    """Return why the model error is not known for a single armour, the only row of `armour`, in words."""
     if reason := _why_by_settings(scenario):
         return reason
     if is_no_metal(np.min(armour.parameters.rho_B)):

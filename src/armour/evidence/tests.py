@@ -1,4 +1,4 @@
-"""The tests that the model was compared with, shipped or the user's own, and where an armour lies outside them."""
+"""Tests that the model was compared with, shipped or the user's own: which apply, and where an armour is far off."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -28,15 +28,15 @@ from armour.scenario.scenario import Scenario
 from armour.scenario.schema import Impact
 from armour.units import MM
 
-# Factor by which a quantity of an unusual armour lies outside of all that the model was compared with.
+# Factor by which a quantity of an unusual armour, see `is_unusual`, lies outside all that the model was compared with.
 UNUSUAL_FACTOR = 2.0
 # Factors outside the ranges of the tests beyond which the error is not known: of bare plates and with a ceramic.
 FARTHEST_BARE, FARTHEST_CERAMIC = float(np.exp(0.5)), 2.0
 # Factor by which an armour may differ from own tests of a ceramic without shipped tests, in the quantities that these
 # tests have in common.
 ALIKE_FACTOR = 1.1
-# Additional standard deviations between lots, beyond that of the shipped tests: with a ceramic, and for armours unlike
-# the shipped tests, as on another metal.
+# Additional standard deviations between lots, beyond that of the shipped tests: with a ceramic, and for armours
+# unlike the shipped tests, as on another metal.
 STRANGE, STRANGE_METAL = 0.10, 0.15
 # Thicknesses of the layers, in diameters of the penetrator; and by how much the greatest probability of stopping that
 # is stated falls where the logarithm of a thickness over the nearest tested one grows by 1.
@@ -58,18 +58,18 @@ BY_CERAMIC, ROUNDING = 1000, 1e-6
 
 
 class DataRange(NamedTuple):
-    """Range of a quantity within which the model was tested."""
+    """Range of a quantity of armours or rounds, such as that of tests; its text is a description with the unit."""
 
     name: str
     low: float
     high: float
 
-    def fails(self, q: Quantities) -> Any:
-        """Return whether each of n armours lies outside the range."""
+    def excludes(self, q: Quantities) -> Any:
+        """Return whether each of n armours lies outside the range, (n,)."""
         return ~((q[self.name] >= self.low) & (q[self.name] <= self.high))
 
     def factor(self, q: Quantities) -> Any:
-        """Return the factor by which n armours are outside the range, at least 1; infinite if value or end is 0."""
+        """Return the factor by which n armours are outside the range, (n,): 1 inside; infinite if value or end is 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.fmax(np.fmax(q[self.name] / self.high, self.low / q[self.name]), 1.0)
 
@@ -84,12 +84,12 @@ class DataRange(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """Tests of a kind of armour against a kind of penetrator, and the error of the ballistic limit on them.
+    """Tests of a kind of armour against a kind of penetrator, and the fits of the model error to them.
 
-    The error applies to armours of the kind, and is extrapolated outside the ranges of the tests.
+    The error applies to armours of the kind, and is extrapolated to some distance outside the ranges of the tests.
     """
 
-    title: str = ""
+    title: str = ""  # the tests, in words
     source: str = ""  # its key of the bibliography is in brackets
     laws: tuple[tuple[DataRange, ...], ...] = ()  # of the ceramic's flow stress, each as ranges of its parameters
     kind: tuple[DataRange, ...] = ()  # ranges that define the kind of armour and penetrator
@@ -107,30 +107,30 @@ class Evidence(NamedTuple):
     thicknesses: tuple[DataRange, ...] = ()  # of the layers in these tests; own ones of a tested ceramic or metal apart
 
     def differences(self, q: Quantities) -> Any:
-        """Return in how many respects n armours differ from the tests; a ceramic instead of none outweighs the rest."""
+        """Return in how many respects n armours are not of the kind, (n,); a ceramic or none outweighs all others."""
         by_ceramic = BY_CERAMIC * (bool(self.ceramic) == (q["ceramic_thickness_ratio"] == 0.0))
         # The flow stress of the ceramic may have any of the laws.
         by_law = np.all([is_outside(law, q) for law in self.laws], axis=0) if self.laws else 0
-        return sum((data_range.fails(q) for data_range in self.kind), start=by_ceramic) + by_law
+        return sum((data_range.excludes(q) for data_range in self.kind), start=by_ceramic) + by_law
 
     def holds(self, q: Quantities) -> Any:
-        """Return whether the error is known for n armours: they are of the kind, and near enough to the tests."""
+        """Return whether the error is known for each of n armours, (n,): of the kind, and near enough to the tests."""
         most = FARTHEST_CERAMIC if self.ceramic else FARTHEST_BARE
         return (self.differences(q) == 0) & (farthest(self.measured, q) <= most) & bool(self.fits)
 
-    def fails_angle(self, cosines: Any) -> Any:
-        """Return whether angles, given their cosines, are beyond those of the tests."""
+    def excludes_angle(self, cosines: Any) -> Any:
+        """Return whether angles, given their cosines, are greater than those of the tests."""
         return cosines < cosine_of(self.obliquity_max_deg) * (1.0 - ROUNDING)
 
     def angles(self) -> str:
-        """Describe the angles of the tests."""
+        """Describe the angles of the tests, as the reason why the error at a greater one is not known."""
         if self.obliquity_max_deg:
             return f"tests of such plates at up to {max(self.obliquity_max_deg, self.at_least_deg):g}° only"
         return f"no test of {'an armour with a ceramic' if self.ceramic else 'such a plate'} at an angle"
 
 
 def greatest_probability(evidence: Evidence, q: Quantities) -> Any:
-    """Return the greatest probability of stopping that tests allow to state for n armours, (n,).
+    """Return the greatest probability of stopping that may be stated for n armours, (n,), so far from the tests.
 
     It falls with the distance from the tests: the greater logarithm of the factors by which the layers are thicker or
     thinner than tested ones, in diameters of the penetrator.  Own tests count for the round that they were fired with.
@@ -148,20 +148,21 @@ def greatest_probability(evidence: Evidence, q: Quantities) -> Any:
 
 
 def farthest(ranges: Iterable[DataRange], q: Quantities) -> Any:
-    """Return the greatest factor by which each of n armours is outside ranges, at least 1."""
+    """Return the greatest factor by which each of n armours is outside any of the ranges, (n,); 1 inside all."""
     return np.max([data_range.factor(q) for data_range in ranges], axis=0)
 
 
 def is_outside(ranges: Iterable[DataRange], q: Quantities) -> Any:
-    """Return whether each of n armours lies outside any of the ranges."""
-    return np.any([data_range.fails(q) for data_range in ranges], axis=0)
+    """Return whether each of n armours lies outside any of the ranges, (n,)."""
+    return np.any([data_range.excludes(q) for data_range in ranges], axis=0)
 
 
 def outside(ranges: Iterable[DataRange], q: Quantities) -> tuple[str, ...]:
-    """Describe those of the ranges outside which an armour lies."""
-    return tuple(str(data_range) for data_range in ranges if data_range.fails(q).any())
+    """Describe each of the ranges outside which an armour, or any of n, lies."""
+    return tuple(str(data_range) for data_range in ranges if data_range.excludes(q).any())
 
 
+# Attributes of `Evidence` that configs/evidence.toml gives under their own names.
 AS_GIVEN = ("title", "source", "ceramic", "metal", "projectile", "obliquity_max_deg", "at_least_deg", "at_least")
 
 
@@ -177,7 +178,7 @@ def _thicknesses(ranges: Iterable[DataRange]) -> tuple[DataRange, ...]:
 
 @cache
 def shipped_evidence() -> tuple[Evidence, ...]:
-    """Return the shipped tests; if several are equally close to an armour, the first of them is used."""
+    """Return the shipped tests, by kind of armour; of several equally close to an armour, the first is used."""
     tests = []
     for data in shipped_data()["tests"]:
         kind, laws = data["kind"], shipped_data()["law"]
@@ -205,18 +206,20 @@ def tests_of_tiles() -> Evidence:
 
 
 def nearest_shipped(q: Quantities) -> Any:
-    """Return the index of the shipped tests that are closest to each of n armours, (n,)."""
+    """Return the index in `shipped_evidence` of the tests whose kind each of n armours differs least from, (n,)."""
     return np.argmin([evidence.differences(q) for evidence in shipped_evidence()], axis=0)
 
 
 class Materials(NamedTuple):
-    """Entries of the library in an armour."""
+    """Entries of the library in an armour; a ceramic only if the scenario names one."""
 
     ceramic: LibraryEntry | None
     backing: LibraryEntry
 
 
 class _Rows(NamedTuple):
+    """Columns of `Armours`, which adds the methods: a named tuple cannot have cached properties."""
+
     parameters: Parameters  # of the core, arrays, (n,)
     cosines: Any  # of the obliquities, (n,)
     material_of_row: Any  # index of the materials of each armour, (n,)
@@ -224,7 +227,10 @@ class _Rows(NamedTuple):
 
 
 class Armours(_Rows):
-    """n armours with their projectiles."""
+    """n armours with their projectiles, as arrays: parameters of the core in SI units, and the materials.
+
+    Thicknesses in `parameters` are along the line of fire.
+    """
 
     def at(self, where: Any) -> "Armours":
         """Return some of the armours, given their indices or a mask."""
@@ -232,7 +238,7 @@ class Armours(_Rows):
         return Armours(parameters, self.cosines[where], self.material_of_row[where], self.materials)
 
     def at_normal_incidence(self) -> "Armours":
-        """Return the armours with the thicknesses of their layers in place of those along the line of fire."""
+        """Return the same armours, hit at normal incidence instead of at their angles."""
         parameters, cosines = self.parameters, self.cosines
         parameters = parameters._replace(Hc0=parameters.Hc0 * cosines, Hb=parameters.Hb * cosines)
         return self._replace(parameters=parameters, cosines=np.ones_like(cosines))
@@ -243,7 +249,7 @@ class Armours(_Rows):
         return self._replace(parameters=self.parameters._replace(**columns))
 
     def quantities(self) -> dict[str, Any]:
-        """Return the quantities that the evidence depends on, (n,) by name."""
+        """Return the quantities that the evidence depends on, (n,) by name; see `armour.evidence.fit.quantities`."""
         tensile = np.array([tensile_strength(materials.backing) for materials in self.materials])
         return quantities(self.parameters, tensile[self.material_of_row], self.cosines)
 
@@ -281,9 +287,10 @@ def armours_of(*scenarios: Scenario) -> Armours:
 
 
 def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
-    """Return the evidence on an entry of the library with own tests: the shipped tests, updated by the own ones.
+    """Return the evidence on an entry of the library that has own tests: the shipped tests, updated by the own ones.
 
-    It holds for armours with the calibrated values.  It has no fit if the entry must be calibrated again.
+    It holds for armours with the values that were calibrated to the own tests.  It has no fits, and the reason as its
+    source, if the own tests cannot tell the error or the entry must be calibrated again.
     """
     if not own_tests.law:
         reason = own_tests.reason or "no limit of its own tests says how exact the model is"
@@ -292,28 +299,28 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
 
     tested = {name: np.array(column) for name, column in own_tests.tests.items()}
     tested["tensile_MPa"] = np.full(len(tested["side"]), tensile_strength(entry))
-    # The tests that the fit is based on.
+    # The shipped tests that have the fits which the own tests update.
     shipped = next(each for each in shipped_evidence() if own_tests.law[0].fit in [fit.name for fit in each.fits])
     by_law = list(_by_law(own_tests, tested, "ceramic" if shipped.ceramic else "backing"))
-    distances = np.min([_distances(fit, tests, level) for fit, tests, level in by_law], axis=0)
+    distances = np.min([_deviations_from_lots(fit, tests, offset) for fit, tests, offset in by_law], axis=0)
     if (distances > IMPLAUSIBLE).any():
         doubtful = np.flatnonzero(distances > IMPLAUSIBLE)
         reason = "an own test has a limit that no lot of such armour can have"
         return Evidence(source=reason, lot=entry.name, doubtful=tuple(doubtful.tolist()))
-    is_strange = is_outside(_kept_kind(shipped, own_tests), tested).any()
+    is_strange = is_outside(_kind_without_calibrated(shipped, own_tests), tested).any()
     between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
-    lots = [(fit.of_lot(between_lots, level), tests) for fit, tests, level in by_law]
-    updated = [lot.given(tests) for lot, tests in lots]
+    fits_of_lot = [(fit.of_lot(between_lots, offset), tests) for fit, tests, offset in by_law]
+    updated = [fit.given(tests) for fit, tests in fits_of_lot]
     weights = softmax([fit.weight for fit in updated])
     velocities, doubtful = tested["velocity_m_s"], np.zeros(0, dtype=np.int64)
     if len(velocities) > 1:  # a single test that is far off may just be of another lot
-        farther = [lot.probabilities_of_farther(tests) for lot, tests in lots]
+        farther = [fit.probabilities_of_farther(tests) for fit, tests in fits_of_lot]
         doubtful = np.flatnonzero(np.max(farther, axis=0) * len(velocities) < FALSE_ALARMS)
     words = f"{counted(len(velocities), 'own test')} of this lot"
     words += f" ({len(doubtful)} out of line)" * bool(len(doubtful))
     words += ", for another laboratory or series" * ("series" in tested)
     is_new = own_tests.law[0].level is not None
-    kind, measured = _ranges_with(own_tests, tested, shipped, is_new=is_new)
+    kind, measured = _ranges_with_own_tests(own_tests, tested, shipped, is_new=is_new)
     return shipped._replace(
         title=f"{words}, taken to scatter like {shipped.title}" if is_new else f"{shipped.title} and {words}",
         laws=(),
@@ -327,21 +334,21 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     )
 
 
-def _kept_kind(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
-    """Return the kind of armour of the shipped tests, without the ranges of calibrated quantities."""
+def _kind_without_calibrated(shipped: Evidence, own_tests: OwnTests) -> tuple[DataRange, ...]:
+    """Return the ranges that define the kind of the shipped tests, without those of calibrated quantities."""
     return tuple(each for each in shipped.kind if each.name not in ("tensile_ratio", *own_tests.calibrated))
 
 
-def _ranges_with(
+def _ranges_with_own_tests(
     own_tests: OwnTests, tested: Mapping[str, Any], shipped: Evidence, *, is_new: bool
 ) -> tuple[tuple[DataRange, ...], tuple[DataRange, ...]]:
-    """Return the kind of armour for which own tests of a lot hold, and the ranges of the tests.
+    """Return the ranges that define the kind of armour for which own tests of a lot hold, and those of the tests.
 
     Both are those of the shipped tests, widened to contain the own tests, whose quantities `tested` has by name.  If
     `is_new`, there are no shipped tests of the ceramic, and the armour must be like that of the own tests.
     """
     columns = {name: np.append(column, own_tests.calibrated.get(name, [])) for name, column in tested.items()}
-    both = _kept_kind(shipped, own_tests), shipped.measured
+    both = _kind_without_calibrated(shipped, own_tests), shipped.measured
     kind, measured = (tuple(each.containing(columns[each.name]) for each in ranges) for ranges in both)
     if is_new:
         around = [DataRange(name, np.inf, -np.inf).containing(tested[name]) for name in (*VARIED[:2], *IN_COMMON)]
@@ -358,10 +365,10 @@ def _ranges_with(
 def _by_law(
     own_tests: OwnTests, tested: Mapping[str, Any], role: str
 ) -> Iterator[tuple[Fit, LotTests, Sequence[float] | None]]:
-    """Yield the shipped fit, the own tests and the level of their lot, for each law of the flow stress.
+    """Yield, for each law of the flow stress, the shipped fit, the own tests compared by it, and the offset of the lot.
 
-    The tests have the logarithms of the measured over the limits that this law gives.  The level is the mean and the
-    standard deviation of what the whole lot deviates by, or None.
+    The tests have the logarithms of the measured over the limits that this law gives.  The offset is the mean and the
+    standard deviation of what the whole lot deviates by; None for a lot that the fit covers.
     `tested` has the quantities of the tests by name; `role` is that of the material, "ceramic" or "backing".
     """
     velocities, sides = tested["velocity_m_s"], tested["side"]
@@ -374,19 +381,19 @@ def _by_law(
         yield fit, LotTests(tested, errors, sides, tested["uncertainty_m_s"] / velocities, armours), law.level
 
 
-def _distances(fit: Fit, tests: LotTests, level: Sequence[float] | None) -> Any:
-    """Return the deviations of own tests from the prediction for any lot, (n,), in standard deviations.
+def _deviations_from_lots(fit: Fit, tests: LotTests, offset: Sequence[float] | None) -> Any:
+    """Return by how many standard deviations own tests differ from the prediction for any lot, (n,).
 
     The deviation of a shot is negative if its outcome is as predicted.
     """
     location, scale, _ = fit.predicted(tests.quantities, {})
-    mean, deviation = level or (0.0, 0.0)
+    mean, deviation = offset or (0.0, 0.0)
     errors = tests.errors - location - mean
     return np.where(tests.sides == 0.0, abs(errors), tests.sides * errors) / np.hypot(scale, deviation)
 
 
 def is_untested(ceramic: LibraryEntry) -> bool:
-    """Return whether there is no test of a ceramic on metal."""
+    """Return whether no test of a ceramic on metal is known: no own one, and no shipped one of such a ceramic."""
     values = np.array([ceramic["density_kg_m3"], ceramic["youngs_modulus_GPa"]])
     q = dict(zip(OF_CERAMIC[:2], values, strict=True))
     return ceramic.evidence is None and bool(is_outside(tests_of_tiles().kind[:2], q))
@@ -414,7 +421,7 @@ def lacks_sources(ceramic: LibraryEntry) -> bool:
 
 
 def is_unusual(armour: Parameters) -> Any:
-    """Return whether each of n armours is far from all armours, bare or with ceramic, that the model was compared with.
+    """Return whether each of n armours is unlike all those, bare or with ceramic, that the model was compared with.
 
     A strength, density, slenderness or thickness over the diameter is then more than a factor of two outside every
     range compared.  The outcome of such an armour may change more than once with the velocity or a thickness.  A NaN
@@ -430,17 +437,17 @@ def is_unusual(armour: Parameters) -> Any:
 
 
 class Far(NamedTuple):
-    """What of an armour or a threat is far from the tests, in words."""
+    """One thing in which an armour or a threat is far from the tests, in words."""
 
     found: str  # such as "12 mm tile"
-    tested: str = ""  # such as "tested 5.8 to 7.8 mm"
+    tested: str = ""  # what was tested instead, such as "tested 5.8 to 7.8 mm"
 
     def __str__(self) -> str:
         return f"{self.found} ({self.tested})" if self.tested else self.found
 
 
 def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[Far, ...]:
-    """Return in what the armour of a scenario, a single row, is far from the tests.
+    """Return in what the armour of a scenario is far from the tests; `armours` has it as its only row.
 
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
     range of the tests, which is rounded inwards.
@@ -451,19 +458,19 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[Far, ...]:
 
 
 class Tested(NamedTuple):
-    """What was tested of armours like one."""
+    """What was tested of armours like one, to tell in what designs of the same materials are far from it."""
 
     thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
-    others: tuple[Far, ...]  # what else of the armour is far from that
+    others: tuple[Far, ...]  # in what else but the thicknesses the armour is far from that
 
     def far_of(self, ceramic: LibraryEntry | None, tile_mm: float, plate_mm: float) -> tuple[Far, ...]:
-        """Return in what an armour with these thicknesses, mm, is far from the tests."""
+        """Return in what an armour with this ceramic and these thicknesses, mm, is far from the tests."""
         found = [Far(ceramic.name, "no test")] if ceramic is not None and tile_mm and is_untested(ceramic) else []
         found += filter(None, map(self.far, LAYERS.values(), (tile_mm, plate_mm)))
         return (*found, *self.others)
 
     def far(self, layer: str, size_mm: float) -> Far | None:
-        """Return the thickness of a layer, mm, with the range tested if it is far from that."""
+        """Return the thickness of a layer, "tile" or "plate", and the range tested; None if it is not far from that."""
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
             return None
@@ -474,7 +481,10 @@ class Tested(NamedTuple):
 
 
 def what_was_tested(impact: Impact, armours: Armours) -> Tested:
-    """Return what was tested of armours like a single row, against an impact; without that its ceramic was not."""
+    """Return what was tested of armours like one, the only row of `armours`, against an impact.
+
+    That its ceramic was not tested is left out.
+    """
     [(evidence, _)] = armours.by_evidence
     q = armours.quantities()
     evidence = evidence if evidence.fits else shipped_evidence()[nearest_shipped(q)[0]]
@@ -492,15 +502,15 @@ def what_was_tested(impact: Impact, armours: Armours) -> Tested:
             others.append(Far(name, f"{with_it} {tested}"))
         elif not tested and role in roles:
             others.append(Far(name))
-    if evidence.fails_angle(armours.cosines)[0]:
+    if evidence.excludes_angle(armours.cosines)[0]:
         others.append(Far(f"{impact.obliquity_deg:g}°", f"tested to {evidence.obliquity_max_deg:g}°"))
     return Tested(thicknesses_mm, tuple(others))
 
 
 def contradicted(armours: Armours) -> Iterator[tuple[Note, Any]]:
-    """Yield what tests contradict of the limits of n armours, or of their probabilities, unless own tests tell.
+    """Yield caveats where tests contradict the limits of n armours or their probabilities, and no own tests tell.
 
-    Masks are as in `caveats`.
+    Each comes with a mask of the armours that it is about, (n,).
     """
     q = armours.quantities()
     for name, data in shipped_data()["caveat"].items():
@@ -514,7 +524,7 @@ def contradicted(armours: Armours) -> Iterator[tuple[Note, Any]]:
 
 
 def limits_of_model(armours: Armours, metals: Iterable[LibraryEntry]) -> Iterator[tuple[Note, Any]]:
-    """Yield the `caveats` and `contradicted` about n armours, and that on changed equations; masks as in `caveats`."""
+    """Yield all caveats about n armours: by changed equations, by `caveats` and by `contradicted`; masks as there."""
     if changed := changed_equations():
         note = Note(f"computed with {changed}", said="caveat", about=("equations", changed))
         yield note, np.ones(len(armours.cosines), dtype=bool)
@@ -525,8 +535,8 @@ def limits_of_model(armours: Armours, metals: Iterable[LibraryEntry]) -> Iterato
 def scenario_warnings(scenario: Scenario, armours: Armours | None = None, *, said: bool = False) -> tuple[Note, ...]:
     """Return the caveats about the armour of a scenario, and warnings of unused threats and doubtful strengths.
 
-    `armours` has the scenario's armour, if it is known already; `said` tells whether the answer itself contains the
-    caveats.
+    `armours` has the scenario's armour as its only row, if it is known already; `said` tells whether the answer itself
+    contains the caveats, so that they are not said again.
     """
     armours = armours or armours_of(scenario)
     metals = [armours.materials[0].backing]
@@ -538,10 +548,10 @@ def scenario_warnings(scenario: Scenario, armours: Armours | None = None, *, sai
 def against_each(
     titles: Sequence[str], by_threat: Iterable[Iterable[tuple[Note, Any]]]
 ) -> Iterator[tuple[Note, list[Any]]]:
-    """Yield each caveat on armours against threats once, with the masks of the armours that it is about.
+    """Yield each caveat on armours against several threats once, with its masks, one for each threat that it is about.
 
-    `by_threat` has the caveats, with their masks, against each of the threats.  One that is not about all threats, such
-    as one with other numbers for another threat, names its own.
+    `by_threat` has, for each of the threats in `titles`, the caveats with their masks.  One that is not about all
+    threats, such as one with other numbers for another threat, names its own.
     """
     found: dict[tuple[str | float, ...], list[tuple[int, Note, Any]]] = {}
     for place, caveats_against in enumerate(by_threat):

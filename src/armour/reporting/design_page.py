@@ -235,7 +235,7 @@ def _tested(catalogue: Catalogue, designs: DesignMap, *, tiled: bool) -> dict[st
     if not len(places):
         return None
     count = len(catalogue.threats)
-    known = ~np.isnan(designs.by_tests_m_s[..., 0]).reshape(-1, count)[places]
+    known = ~np.isnan(designs.untruncated_m_s[..., 0]).reshape(-1, count)[places]
     rows, of_threats = catalogue.against_each(designs.candidates), []
     for threat in range(count):
         firsts = (places[each.argmax(), None] for each in (known[:, threat], ~known[:, threat]))
@@ -304,8 +304,8 @@ def _numbers(designs: DesignMap) -> dict[str, Any]:
     16-bit multiples of "step"; their sums are rounded down.
     """
     limits = designs.limits_m_s.reshape(-1)
-    stopped = np.nan_to_num(designs.by_tests_m_s.reshape(len(limits), -1))
-    floats = np.column_stack([limits, stopped[:, 0], designs.greatest.reshape(-1)]).astype("<f4")
+    stopped = np.nan_to_num(designs.untruncated_m_s.reshape(len(limits), -1))
+    floats = np.column_stack([limits, stopped[:, 0], designs.greatest_probability.reshape(-1)]).astype("<f4")
     above = np.maximum(stopped - floats[:, 1:2].astype(np.float64), 0.0)
     step = max(float(np.diff(above, axis=1).max(initial=0.0)) / 65_000.0, 1e-3)
     differences = np.diff(np.floor(above / step), axis=1).astype("<u2")

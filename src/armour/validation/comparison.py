@@ -21,11 +21,12 @@ from armour.validation.tested import MeasuredArmour, nearest_measured, wilkins_t
 
 @dataclass(frozen=True)
 class Prediction:
-    """A ballistic limit by the model or by a simpler formula, and the errors of this method on tests.
+    """A ballistic limit by one method, the model or a simpler formula, and the errors of this method on tests.
 
     Attributes
     ----------
     method : str
+        Name of the method, such as "the model".
     ballistic_limit_m_s : float
         Ballistic limit of the armour, m/s.
     mean_percent, largest_percent : float or None
@@ -45,7 +46,10 @@ class Prediction:
     fitted: str = ""
 
     def on_tests(self, measured: Floats, predicted: Floats, left_out: Floats | None = None) -> Self:
-        """Return the prediction with its errors, given limits of tests, (tests,), m/s, as measured and predicted."""
+        """Return the prediction with the errors of its method on tests.
+
+        The arrays, (tests,), are limits, m/s: measured, predicted, and predicted by a fit that leaves out the test.
+        """
         errors = 100.0 * np.abs(predicted / measured - 1.0)
         out = None if left_out is None else float(100.0 * np.abs(left_out / measured - 1.0).mean())
         mean, largest = float(errors.mean()), float(errors.max())
@@ -54,7 +58,7 @@ class Prediction:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(TableResult):
-    """Ballistic limit by the model and by simpler formulas.
+    """Ballistic limit of an armour by the model and by simpler formulas, and measured ones of armours like it.
 
     Attributes
     ----------

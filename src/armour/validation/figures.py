@@ -22,7 +22,7 @@ PARITIES = {"parity_table3": ("paper", "table 3"), "parity_plates": ("plates", "
 
 
 class CurveSection(Section):
-    """A curve: its label and the changes that it makes to the scenario."""
+    """A curve of a figure: its label, and the changes that it makes to the scenario, by key."""
 
     label: str = ""
     set: dict[str, Any] = {}
@@ -40,8 +40,8 @@ class FigureMark(Section):
     x_ends: list[Annotated[list[float], Field(min_length=2, max_length=2)]] = []
 
 
-class FigureLevel(Section):
-    """A value on the y axis at which the paper's text compares curves."""
+class FigureLine(Section):
+    """A horizontal line of a figure: the value on the y axis at which the paper's text compares curves."""
 
     label: str
     value: float
@@ -66,18 +66,18 @@ class FigureSection(Section):
     divide_by: Annotated[float, Field(gt=0.0)] = 1.0
     curve: list[CurveSection] = [CurveSection()]
     mark: list[FigureMark] = []
-    level: list[FigureLevel] = []
+    level: list[FigureLine] = []
 
 
 class FigureFile(Section):
-    """A file of figures."""
+    """The contents of a file that describes figures."""
 
     figure: list[FigureSection]
 
 
 @dataclass(frozen=True)
 class Figure:
-    """Curves of a figure or of one of its panels, by label, over ``x``; None where a curve has no value."""
+    """Computed curves of a figure or of one of its panels, by label, over ``x``; None where a curve has no value."""
 
     section: FigureSection
     x: tuple[float, ...]
@@ -90,12 +90,12 @@ def paper_figures() -> Path:
 
 
 def read_figures(path: Path) -> list[FigureSection]:
-    """Read a file of figures."""
+    """Read a file that describes figures; return a section for each figure or panel."""
     return validated(FigureFile, read_toml(path), str(path)).figure
 
 
 def compute_figure(section: FigureSection, folder: Path) -> Figure:
-    """Compute the curves of a figure; the file of its scenario is in the folder."""
+    """Compute the curves of a figure by the model; the file of its scenario is in `folder`."""
     scenario = load_scenario(folder / section.scenario)
     x = section.range.values()
     columns = dict.fromkeys(section.over, np.array(x))
@@ -113,6 +113,6 @@ def compute_figure(section: FigureSection, folder: Path) -> Figure:
 
 
 def parity(name: str) -> SuiteResult:
-    """Compute the cases of a figure of `PARITIES`."""
+    """Compute the cases of a figure of computed over expected values, given its name in `PARITIES`."""
     suite, text = PARITIES[name]
     return validate(load_suite(shipped_suites()[suite]).only(text))

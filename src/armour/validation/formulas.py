@@ -26,7 +26,8 @@ def florence_limit(
 ) -> float:
     """Compute Florence's ballistic limit, m/s [Florence1969], in the form of [Hetherington1991].
 
-    The projectile has the mass m, kg, and the radius r, m; it loads the back plate over the radius r + 2 h1.
+    The projectile has the mass `m`, kg, and the radius `r`, m; the module names the other symbols.  It loads the back
+    plate over the radius r + 2 h1.
     """
     area = pi * (r + 2.0 * h1) ** 2
     areal_density = rho1 * h1 + rho2 * h2
@@ -54,7 +55,7 @@ def fitted_factor(areal_densities: Floats, limits: Floats) -> float:
 
 
 def missing_for_florence(scenario: Scenario) -> list[Problem]:
-    """Return a problem for each quantity that Florence's formula needs and the scenario lacks."""
+    """Return a problem for each key that Florence's formula needs and the scenario or its metal lacks."""
     problems = []
     if not scenario.armour.ceramic_thickness_mm > 0.0:
         message = "must be greater than 0 for Florence's limit, found 0"
@@ -67,8 +68,9 @@ def missing_for_florence(scenario: Scenario) -> list[Problem]:
 
 
 def florence_limits(scenario: Scenario) -> dict[str, float]:
-    """Compute Florence's limits of a scenario's armour, m/s, for each body of the projectile with known values.
+    """Compute Florence's limits of a scenario's armour, m/s, by body of the projectile, see `BODIES`.
 
+    Bodies without a known mass and diameter are left out.
     Thicknesses are along the line of fire.  The scenario must lack nothing of `missing_for_florence`.
     """
     armour, metal = scenario.core_armour(), scenario.entry("metal", scenario.armour.backing)

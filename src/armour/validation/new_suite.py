@@ -1,4 +1,4 @@
-"""Write a suite that watches scenarios: what to compute for each, with bands, but without expected values."""
+"""Write a suite that shows whether answers for scenarios change: with bands, but without expected values."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -26,7 +26,7 @@ ROUND = [key for key in THREAT_KEYS if key != "velocity_m_s"]
 
 
 def new_suite(scenarios: Mapping[str, Scenario], on_progress: OnProgress = ignore_progress) -> str:
-    """Return the text of a suite that watches scenarios, given by the names that they have in its file.
+    """Return the text of a suite that watches the answers for scenarios, given by the names that they have in its file.
 
     It watches the ballistic limit and the probability of stopping against each threat and, if a scenario asks for a
     design, the objective of the best one.  A question without an answer is not scored, for this reason.  `on_progress`
@@ -34,13 +34,16 @@ def new_suite(scenarios: Mapping[str, Scenario], on_progress: OnProgress = ignor
     """
     cases: list[dict[str, Any]] = []
     for name, scenario in scenarios.items():
-        cases += (_case(name, *question) for question in _questions(scenario))
+        cases += (_case_table(name, *question) for question in _questions(scenario))
         on_progress(1, len(scenarios))
     return HEAD + tomli_w.dumps({"title": "What the program computes", "regression": True, "case": cases})
 
 
 def _questions(scenario: Scenario) -> Iterator[tuple[str, str, Scenario, Sequence[str]]]:
-    """Yield what to ask about a scenario: words, a quantity, the scenario to ask, and keys of its impact to set."""
+    """Yield the questions about a scenario that a suite watches.
+
+    Each has its words, the quantity, the scenario to compute it for, and the keys of the impact that the case must set.
+    """
     asked = [(threat, scenario.against(threat)) for threat in scenario.threats()]
     keys = (ROUND, THREAT_KEYS) if scenario.threat else ((), ())
     # Threats that differ only in velocity have the same limit.
@@ -53,8 +56,8 @@ def _questions(scenario: Scenario) -> Iterator[tuple[str, str, Scenario, Sequenc
         yield "best design", OPTIMUM + (scenario.design or DesignSection()).minimise, scenario, ()
 
 
-def _case(name: str, words: str, quantity: str, asked: Scenario, keys: Sequence[str]) -> dict[str, Any]:
-    """Return the table of a case in the suite's file, with the keys of the impact that it sets."""
+def _case_table(name: str, words: str, quantity: str, asked: Scenario, keys: Sequence[str]) -> dict[str, Any]:
+    """Return a case as a table of the suite's file; `name` is that of the scenario, the others as in `_questions`."""
     judged = BANDS.get(quantity, {"band_percent": 0.1})
     try:
         answer(quantity, Subject(asked))

@@ -1,4 +1,4 @@
-"""Questions that the cases of a suite ask about a scenario, or about replacing one of its materials, and answers."""
+"""Answer the questions that cases of a suite ask about a scenario, or about replacing one of its materials."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -16,14 +16,14 @@ from armour.scenario.schema import OBJECTIVES
 
 
 class Subject:
-    """A scenario, and the same with a material replaced if a question needs it; keeps what it has computed."""
+    """What a question is about: a scenario and, for some, the same with a material replaced; keeps what it computes."""
 
     def __init__(self, scenario: Scenario, replacement: Scenario | None = None) -> None:
         self.scenario, self.replacement = scenario, replacement
 
     @cached_property
     def answers(self) -> QuantityValues:
-        """Values of the quantities for the scenario, in arrays of one row."""
+        """Values of the quantities for the scenario, computed when needed, in arrays of one row."""
         return QuantityValues(groups_of(self.scenario, {})[0].variants)
 
     @cached_property
@@ -65,7 +65,7 @@ QUESTIONS: dict[str, tuple[str, ...]] = {
 
 
 def answer(name: str, subject: Subject) -> float | str:
-    """Answer a question; raise NoAnswerError if it has no answer in the scenario's range."""
+    """Answer a question of `QUESTIONS`, in its unit; raise NoAnswerError, with the reason, if it has no answer."""
     value: float | str
     if name in BEST:
         value = getattr(subject.best, name.removeprefix(OPTIMUM))

@@ -34,7 +34,7 @@ from armour.validation.suite_sections import (
 
 @dataclass(frozen=True)
 class Case:
-    """A scenario with the expected value of one quantity.
+    """One comparison of a suite: a scenario, and the expected value of one quantity.
 
     Attributes
     ----------
@@ -129,12 +129,13 @@ class Case:
         return 100.0 * abs(value / self.measured - 1.0)
 
 
+# Message on a missing expected value.
 MUST_BE_GIVEN = "is missing and must be given; --update fills in only a regression value without a source"
 
 
 @dataclass(frozen=True, repr=False)
 class Suite:
-    """Cases, and the tables to which they belong.
+    """Cases to compare with the model, and the tables to which some of them belong.
 
     Attributes
     ----------
@@ -231,7 +232,7 @@ def _in_valid_parts(data: Mapping[str, Any], path: Path, changes: Mapping[str, o
 
 
 def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, object]) -> list[Case]:
-    """Make the cases of a suite; raise one error with the mistakes in all of them."""
+    """Return the cases of a suite, whose file is `path`; raise one InputError with the mistakes in all of them."""
     if not suite.case and not suite.table:
         raise mistake(path, "case", "is missing: a suite must have at least one case or table")
     unexpected = [
@@ -242,18 +243,18 @@ def _cases_of_suite(suite: SuiteSection, path: Path, changes: Mapping[str, objec
     cases: list[Case] = []
     # By table and problem, so that a mistake in many rows of a table is reported only for the first.
     wrong: dict[tuple[KeyPath, Problem], Problem] = {}
-    for row in _rows(suite):
+    for row in _rows_of_suite(suite):
         try:
             cases += _cases_of_row(row, suite, path.parent, changes)
         except InputError as error:
             for problem in error.problems:
-                wrong.setdefault((row.place[:2], problem), _placed(problem, row, path))
+                wrong.setdefault((row.place[:2], problem), _located(problem, row, path))
     refuse([*unexpected, *wrong.values()])
     return cases
 
 
-def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
-    """Locate a problem in the scenario of a case in the suite's file; one in a file of tests stays as it is."""
+def _located(problem: Problem, row: "_Row", path: Path) -> Problem:
+    """Return a problem with a scenario as one of the suite's file, at the key of its row; one with tests as it is."""
     if row.section.file:
         return problem
     key = row.place[:4] if problem.key in row.inputs else (*row.place[:2], "scenario")
@@ -261,18 +262,18 @@ def _placed(problem: Problem, row: "_Row", path: Path) -> Problem:
 
 
 class _Row(NamedTuple):
-    """What a suite's file says about a case, a row of a table, or a table whose rows are in a file of tests."""
+    """What a suite's file says about a case, a row of a table, or a table whose rows are in another file."""
 
     section: CaseSection | TableSection
-    place: KeyPath
+    place: KeyPath  # of the expected value, or of the name of the file of tests
     expected: float | str | None = 0.0
     first: bool = True  # whether it is the first, or only, case of its section
-    inputs: Mapping[str, float] = {}
+    inputs: Mapping[str, float] = {}  # values of the columns, by key
     measured: float | None = None
 
 
-def _rows(suite: SuiteSection) -> Iterator[_Row]:
-    """Yield the rows of the tables of a suite, then its cases, and then its tables with files."""
+def _rows_of_suite(suite: SuiteSection) -> Iterator[_Row]:
+    """Yield a `_Row` for each row of the tables of a suite, then for its cases, and then for its tables with files."""
     for index, table in enumerate(suite.table):
         column = table.columns.index(EXPECTED) if table.rows else 0
         for row_index, numbers in enumerate(table.rows):
@@ -288,29 +289,29 @@ def _rows(suite: SuiteSection) -> Iterator[_Row]:
 
 
 def _cases_of_row(row: _Row, suite: SuiteSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
-    """Make the case of a row or, if its section names a file of tests, a case for each test in the file.
+    """Return the case of a row or, if its section names a file of tests, a case for each test in the file.
 
-    `folder` is that of the suite, and `changes` apply to every scenario.
+    `folder` is that of the suite, and `changes`, values by key, apply to every scenario.
     """
     section, file = row.section, _named_file(folder, row.section.scenario)
-    scenario = _changed_scenario(file, section.set, row.inputs, changes)
+    scenario = _read_scenario(file, section.set, row.inputs, changes)
     replacement = None
     if section.replaced_by is not None:
-        replacement = _changed_scenario(file, section.set, section.replaced_by, changes)
+        replacement = _read_scenario(file, section.set, section.replaced_by, changes)
     check_answerable(section.quantity, scenario, replacement)
-    name = ", ".join(map(_in_words, row.inputs, row.inputs.values())) or section.name
+    name = ", ".join(map(_value_in_words, row.inputs, row.inputs.values())) or section.name
     case = Case(suite, section, name, scenario, row.expected, row.place, replacement, row.measured)
     if row.first:
-        _check_changes(case, row.inputs)
+        _check_effects(case, row.inputs)
     return (
         _cases_of_file(case, section, folder, changes) if isinstance(section, TableSection) and section.file else [case]
     )
 
 
 def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Mapping[str, object]) -> list[Case]:
-    """Return the cases of a table's file of tests; `common` is a case with what they share, `changes` among it."""
+    """Return a case for each test in a table's file; `common` is a case with what they share, `changes` among it."""
     path = _named_file(folder, table.file)
-    # Each test is compared by itself, whatever its target or lot.
+    # Each test is compared by itself: its target and lot are only notes.
     conditions = [key for part in (table, *table.group) for key in part.where]
     notes = [*dict.fromkeys((*common.suite.notes, *GROUPS, *conditions))]
     source = open_tests(path, notes)
@@ -346,7 +347,7 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Map
     return cases
 
 
-def _check_changes(case: Case, inputs: Mapping[str, float]) -> None:
+def _check_effects(case: Case, inputs: Mapping[str, float]) -> None:
     """Check that all changes and columns of a section have an effect on its quantity, given its first case.
 
     `inputs` has the values of the columns.
@@ -371,8 +372,8 @@ def suite_files(suite: Suite) -> list[Path]:
     return [suite.file, *dict.fromkeys(scenarios), *(suite.file.parent / table.file for table in suite.tables)]
 
 
-def _changed_scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
-    """Read a scenario from a file, and apply the changes one after the other."""
+def _read_scenario(file: Path, *changes: Mapping[str, object]) -> Scenario:
+    """Read a scenario from a file with changes, values by key that are applied one after the other."""
     return parse_changed(read_toml(file, quoted=False), *changes, file=named(file), folder=file.parent)
 
 
@@ -382,7 +383,7 @@ def _named_file(folder: Path, name: str) -> Path:
     return files[name] if name in files and not exists(folder / name) else located(folder / name, {})
 
 
-def _in_words(key: str, value: float) -> str:
-    """Return a key and its value in words, such as "ceramic thickness 6.35 mm"."""
+def _value_in_words(key: str, value: float) -> str:
+    """Return a key with its value in words, such as "tile thickness 6.35 mm", for the name of a case."""
     words, unit = label_and_unit(key)
     return f"{words} {value:g} {unit}".rstrip()

@@ -16,6 +16,7 @@ from armour.scenario.sections import LIST_TAG, RANGE_TAG, NumberOrText, Section
 from armour.statistics.measured import MEASURED
 from armour.validation.questions import QUESTIONS, SAVINGS
 
+# Cells of a row of a file of tests, by column.
 Cells = Mapping[str, float | str]
 
 
@@ -36,10 +37,10 @@ Condition = Annotated[
 
 def meets(cells: Cells, where: Mapping[str, Condition]) -> bool:
     """Return whether the cells of a row meet the conditions in `where`, by column; an empty cell meets none."""
-    return all(_meets(cells.get(column), condition) for column, condition in where.items())
+    return all(_cell_meets(cells.get(column), condition) for column, condition in where.items())
 
 
-def _meets(cell: float | str | None, condition: Condition) -> bool:
+def _cell_meets(cell: float | str | None, condition: Condition) -> bool:
     """Return whether a cell, or the number that it contains, meets a condition."""
     value = number(str(cell))
     if isinstance(condition, Between):
@@ -81,13 +82,15 @@ class _Expectation(Section):
 
     @field_validator("quantity")
     @classmethod
-    def _known(cls, quantity: str) -> str:
+    def _check_quantity(cls, quantity: str) -> str:
+        """Check that the quantity is one that a suite may ask for."""
         if quantity not in QUESTIONS:
             raise ValueError(f'must name a quantity, found "{quantity}"{choices(quantity, list(QUESTIONS))}')
         return quantity
 
     @model_validator(mode="after")
-    def _one_band(self) -> "_Expectation":
+    def _check_bands(self) -> "_Expectation":
+        """Check that there is one band where one is needed, and none for words."""
         bands = [key for key in ("band", "band_percent") if getattr(self, key) is not None]
         if self.quantity in WORDS:
             if bands:
@@ -99,22 +102,23 @@ class _Expectation(Section):
         return self
 
 
-def _outcome(expected: float | str) -> float | str:
-    """Return the name in results of an outcome, such as "stopped" for "partial"; other values as they are."""
+def _outcome_name(expected: float | str) -> float | str:
+    """Return an outcome as results name it, such as "stopped" for "partial"; other expected values as they are."""
     perforated = perforates(expected) if isinstance(expected, str) else None
     return expected if perforated is None else "perforated" if perforated else "stopped"
 
 
 class CaseSection(_Expectation):
-    """A single case."""
+    """A single case of a suite: a scenario with changes, a quantity, and its expected value."""
 
-    expected: Annotated[NumberOrText, AfterValidator(_outcome)] | None = None
+    expected: Annotated[NumberOrText, AfterValidator(_outcome_name)] | None = None
     replaced_by: dict[str, Any] | None = None
     measured: Annotated[float, Field(gt=0.0)] | None = None
     file: ClassVar = ""
 
     @model_validator(mode="after")
-    def _fits_the_quantity(self) -> "CaseSection":
+    def _check_expected(self) -> "CaseSection":
+        """Check that the expected value, and what else is given, fits the quantity."""
         # A regression value has no expected value until an update fills it in.
         if self.expected is not None and self.quantity == "outcome":
             if perforates(str(self.expected)) is None:
@@ -142,7 +146,8 @@ class TableSection(_Expectation, GroupSection):
     replaced_by: ClassVar = None
 
     @model_validator(mode="after")
-    def _shape(self) -> "TableSection":
+    def _check_rows(self) -> "TableSection":
+        """Check that the table has rows or a file, the keys that belong to it, and columns that fit."""
         if self.quantity in (*SAVINGS, *WORDS):
             raise ValueError(f"a table must be of numbers that one scenario answers, found {self.quantity}")
         if self.rms_band is not None and self.rms_band_percent is not None:
@@ -170,7 +175,7 @@ class TableSection(_Expectation, GroupSection):
 
     @property
     def compares(self) -> bool:
-        """Whether the expected values are relative differences from measured ones."""
+        """Whether the expected values are relative differences from measured ones, in per cent."""
         return MEASURED_COLUMN in self.columns
 
 
@@ -178,8 +183,8 @@ class TableSection(_Expectation, GroupSection):
 CASES = "cases"
 
 
-def _named_once(tables: list[TableSection]) -> list[TableSection]:
-    """Return the tables if their names differ; a validator."""
+def _with_names_apart(tables: list[TableSection]) -> list[TableSection]:
+    """Return the tables if their names differ; otherwise raise ValueError, as validators do."""
     names = [table.name for table in tables]
     for name in names:
         if names.count(name) > 1 or name == CASES:
@@ -196,7 +201,7 @@ class SuiteSection(Section):
     regression: bool = False
     notes: list[Name] = []
     case: list[CaseSection] = []
-    table: Annotated[list[TableSection], AfterValidator(_named_once)] = []
+    table: Annotated[list[TableSection], AfterValidator(_with_names_apart)] = []
 
 
 def is_regression(section: CaseSection | TableSection, suite: SuiteSection) -> bool:

@@ -1,4 +1,4 @@
-"""Find tested armours: what each library entry was tested with, and the tests nearest to a ballistic limit."""
+"""Find tested armours: those nearest to a ballistic limit, and what each entry of the library was tested with."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -25,7 +25,7 @@ COMPARED_TESTS = "table 3, Wilkins' measurements"
 
 
 class WilkinsTests(NamedTuple):
-    """Wilkins' n tests; arrays, (n,)."""
+    """Wilkins' n tests of tiles on plates; arrays, (n,)."""
 
     scenarios: list[Scenario]
     columns: dict[str, Floats]  # thicknesses, mm, by key
@@ -33,7 +33,7 @@ class WilkinsTests(NamedTuple):
     limits: Floats  # as measured, m/s
 
     def words(self) -> str:
-        """Return number, round, materials and range of areal densities, as text."""
+        """Return number, round, materials and range of areal densities in words."""
         projectile, ceramic, backing = (self.scenarios[0].name_of(role) for role in ROLES)
         span = f"{self.areal_densities.min():.1f} to {self.areal_densities.max():.1f} kg/m²"
         return f"{len(self.limits)} tests of {projectile} on {ceramic} and {backing}, {span} ({COMPARED_TESTS})"
@@ -41,7 +41,7 @@ class WilkinsTests(NamedTuple):
 
 @cache
 def wilkins_tests() -> WilkinsTests:
-    """Return Wilkins' tests, of the scenario of this name."""
+    """Return Wilkins' tests, with the shipped scenario of this name."""
     wilkins, rows = load_scenario(shipped_files("scenarios", ".toml")["wilkins"]), shipped_rows("tests/wilkins")
     columns = {key: np.array([float(row[key]) for row in rows]) for key in (*LAYERS, LIMIT)}
     limits = columns.pop(LIMIT)
@@ -56,7 +56,9 @@ class MeasuredArmour:
     Attributes
     ----------
     armour, projectile : str
+        Layers of the armour, and name of the round.
     areal_density_kg_m2, ballistic_limit_m_s : float
+        Areal density, kg/m², and measured limit, m/s.
     """
 
     armour: str
@@ -66,13 +68,13 @@ class MeasuredArmour:
 
 
 def nearest_measured(scenario: Scenario, limit_m_s: float) -> tuple[MeasuredArmour, ...]:
-    """Return the tested armours nearest to a ballistic limit: one with a ceramic, and one bare plate of each metal.
+    """Return the tested armours with limits nearest to one, m/s: one with a ceramic, and a bare plate of each metal.
 
     Only tests with a core like that of the scenario count.  At an angle there are none.
     """
     core = [scenario.inputs()[name] for name in ROD]
     nearest: dict[str, MeasuredArmour] = {}
-    for kind, values, measured in _measured() if not scenario.impact.obliquity_deg else ():
+    for kind, values, measured in _shipped_measurements() if not scenario.impact.obliquity_deg else ():
         if all(abs(value / own - 1.0) <= ALIKE_PART for value, own in zip(values, core, strict=True)):
             distance = abs(log(measured.ballistic_limit_m_s / limit_m_s))
             if kind not in nearest or distance < abs(log(nearest[kind].ballistic_limit_m_s / limit_m_s)):
@@ -86,13 +88,13 @@ def limits_measured(scenario: Scenario) -> list[float]:
     subject = scenario.armour_words(), scenario.impact.projectile
     return [
         each.ballistic_limit_m_s
-        for _, values, each in (_measured() if not angle else ())
+        for _, values, each in (_shipped_measurements() if not angle else ())
         if ((each.armour, each.projectile), values) == (subject, core)
     ]
 
 
 @cache
-def _measured() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
+def _shipped_measurements() -> tuple[tuple[str, tuple[float, ...], MeasuredArmour], ...]:
     """Return the shipped tests at normal incidence, each as its kind, its core and its armour.
 
     The kind is "ceramic" or the metal of a bare plate.  The core has the values of the inputs `ROD`, in their units.
@@ -121,6 +123,7 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     tested: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def add(kind: Kind, name: str, words: str) -> None:
+        """Add what an entry was tested with, in words, once."""
         tested.setdefault((kind, name), {})[words] = None
 
     bare = {

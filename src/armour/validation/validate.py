@@ -27,13 +27,13 @@ FAILED: tuple[CheckStatus, ...] = ("outside", "no answer", "no expected value")
 
 @dataclass(frozen=True)
 class Check:
-    """A case and its result.
+    """A case, its computed value, and whether this is within the band.
 
     Attributes
     ----------
     case : Case
     computed : float or str or None
-        None if the question has no answer.
+        Computed value, to compare with the expected one; None if the question has no answer.
     status : {"within", "outside", "no answer", "no expected value", "not scored"}
     message : str
         Why there is no answer or no expected value, or why the case fails or is not scored.
@@ -68,7 +68,7 @@ class Check:
         return 100.0 * deviation / abs(expected) if self.case.measured is None else None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the check as plain data."""
+        """Return the check as plain data, by the keys of a case in JSON."""
         return {
             "table": self.case.group,
             "name": self.case.name,
@@ -131,7 +131,7 @@ class TableSummary:
 
 @dataclass(frozen=True, repr=False)
 class SuiteResult(TableResult):
-    """Result of a suite.
+    """Result of a suite: the checks of its cases, and summaries of its tables.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ class SuiteResult(TableResult):
 
     @property
     def is_scored(self) -> bool:
-        """Whether any case is scored."""
+        """Whether any case or table is scored, so that the suite can pass or fail."""
         return self.count("within", *FAILED) > 0
 
     def count(self, *statuses: CheckStatus) -> int:
@@ -183,6 +183,7 @@ class SuiteResult(TableResult):
         return by_column(check.to_dict() for check in self.checks)
 
 
+# Called with a check and the number of all cases.
 OnCheck = Callable[[Check, int], None]
 
 
@@ -209,7 +210,7 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
     if not isinstance(suite, Suite):
         suite = load_suite(suite)
     subjects: dict[tuple[str, ...], Subject] = {}
-    values_of_tests = _values_of_tests(suite.cases)
+    values_of_tests = _values_for_tests(suite.cases)
     checks = []
     for place, case in enumerate(suite.cases):
         if place in values_of_tests:
@@ -222,7 +223,7 @@ def validate(suite: Suite | str | PathLike[str], *, on_check: OnCheck | None = N
 
 
 def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
-    """Make the result of a suite from the checks of its cases, or of those that are done."""
+    """Return the result of a suite, given the checks of its cases, or of those that are done."""
     tables = [(table, [check for check in checks if check.case.group == table.name]) for table in suite.tables]
     return SuiteResult(
         title=suite.title,
@@ -234,7 +235,7 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
 
 
 def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:
-    """Compute and judge a case.
+    """Compute the quantity of a case, and compare it with the band.
 
     `subjects` keeps what cases about the same scenarios share, by the hashes of these scenarios.
     """
@@ -247,12 +248,12 @@ def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:
 
 
 def _judged(case: Case, computed: float | str | None, message: str = "") -> Check:
-    """Compare a computed value with the band of its case; if it is None, `message` says why.
+    """Return the check of a case, given its computed value; if that is None, `message` says why.
 
     A row of a file of tests may have no band, and is then not scored by itself.
     """
     status: CheckStatus = "not scored"
-    calibrated = _calibrated_to(case)
+    calibrated = _why_calibrated(case)
     if not (case.not_scored or calibrated):
         if computed is None:
             status = "no answer"
@@ -265,10 +266,11 @@ def _judged(case: Case, computed: float | str | None, message: str = "") -> Chec
     return Check(case, computed, status, message if computed is None else calibrated)
 
 
-def _values_of_tests(cases: Sequence[Case]) -> dict[int, float | None]:
-    """Compute all cases that are rows of files of tests, in one batch for each scenario, quantity and set of inputs.
+def _values_for_tests(cases: Sequence[Case]) -> dict[int, float | None]:
+    """Return the computed values of the cases that are rows of files of tests, by index of the case.
 
-    Return the values by index of the case; None where there is no answer.
+    A value is None where there is no answer.  All cases with the same scenario, quantity and inputs are computed
+    together, which is fast.
     """
     batches: dict[tuple[int, str, tuple[str, ...]], list[int]] = {}
     for place, case in enumerate(cases):
@@ -284,7 +286,7 @@ def _values_of_tests(cases: Sequence[Case]) -> dict[int, float | None]:
     return computed
 
 
-def _calibrated_to(case: Case) -> str:
+def _why_calibrated(case: Case) -> str:
     """Return the reason not to score a case, one of whose materials was calibrated to this very test; "" if none."""
     names = {key: case.scenario.name_of(role) for role, key in NAMES.items()}
     measured = case.expected if case.measured is None else case.measured
@@ -301,7 +303,7 @@ def _calibrated_to(case: Case) -> str:
 
 
 def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSummary]:
-    """Yield the summaries of a table and of each of its groups."""
+    """Yield the summaries of a table, given the checks of its rows, and of each of its groups."""
     yield _summary(table, table, rows)
     for group in table.group:
         if rows_of_group := [row for row in rows if meets(row.case.cells, group.where)]:
@@ -309,7 +311,7 @@ def _summaries(table: TableSection, rows: Sequence[Check]) -> Iterator[TableSumm
 
 
 def _summary(table: TableSection, bands: GroupSection, rows: Sequence[Check]) -> TableSummary:
-    """Summarise the deviations of rows, and compare them with the bands of their table or group, ``bands``."""
+    """Return the summary of the deviations of rows; `bands` is their table or group, which gives the bands."""
     percent = bool(table.file) or table.rms_band_percent is not None
     deviations = [row.deviation_percent if percent else row.deviation for row in rows]
     numbers = [deviation for deviation in deviations if deviation is not None]
@@ -352,7 +354,7 @@ def updates_of(result: SuiteResult) -> list[Check]:
 
 
 def kept_by_update(result: SuiteResult) -> SuiteResult:
-    """Return the result without the cases that an update replaces."""
+    """Return the result without the regression values, which an update replaces, so that only the others are judged."""
     checks = tuple(check for check in result.checks if not check.case.regression)
     groups = {check.case.group for check in checks}
     summaries = tuple(summary for summary in result.summaries if summary.name in groups)

@@ -29,7 +29,7 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import FiringResult, Shots, v50
-from armour.validation.figures import Figure, FigureLevel, FigureMark, FigureSection
+from armour.validation.figures import Figure, FigureLine, FigureMark, FigureSection
 from tests.analysis.results import impact as impact_result
 from tests.design.results import best_of
 from tests.helpers.cases import scenario, shipped_scenario
@@ -183,7 +183,7 @@ def test_without_a_required_probability_the_line_is_that_of_the_limit():
     pair_map = design._map_of(found)
     values, is_stated, words = pair_map.required()
     assert words == "stops a shot with 50 % or more"
-    np.testing.assert_array_equal(is_stated, ~np.isnan(pair_map.grid.by_tests_m_s[..., 0, 0]))
+    np.testing.assert_array_equal(is_stated, ~np.isnan(pair_map.grid.untruncated_m_s[..., 0, 0]))
     np.testing.assert_array_equal(values, pair_map.shown_m_s[..., 0] - 800.0)
     by_model = found.question["scenario"].replaced({"uncertainty.model": {"included": False}})
     pair_map = design._map_of(optimise(by_model))
@@ -200,9 +200,9 @@ def test_the_line_of_several_requirements_is_where_all_are_met():
     assert words == "does what is required"
     grid, catalogue = pair_map.grid, pair_map.catalogue
     by_limit = np.where(catalogue.margins_m_s > 0.0, pair_map.shown_m_s - catalogue.margins_m_s, np.inf)
-    surely = grid.by_tests_m_s[..., grid.probabilities.index(0.9)]
+    surely = grid.untruncated_m_s[..., grid.probabilities.index(0.9)]
     np.testing.assert_array_equal(values, (np.minimum(surely, by_limit) - catalogue.velocities_m_s).min(axis=-1))
-    np.testing.assert_array_equal(is_stated, (grid.greatest >= 0.9).all(axis=-1))
+    np.testing.assert_array_equal(is_stated, (grid.greatest_probability >= 0.9).all(axis=-1))
 
 
 def test_designs_of_bare_plates_are_drawn_over_their_thickness():
@@ -240,7 +240,7 @@ def figure() -> Figure:
     curves = {"A": (1.0, None, 9.0), "B": (2.0, 3.0, 4.0)}
     printed = FigureMark(label="printed", of="B", points=[[5.0, 3.0]], x_ends=[[4.5, 5.5]])
     marks = [printed, FigureMark(label="another", points=[[6.0, 2.0]])]
-    levels = [FigureLevel(label="L", value=5.0)]
+    levels = [FigureLine(label="L", value=5.0)]
     words: dict[str, Any] = {"title": "T", "x_label": "each, mm", "y_label": "residual velocity, m/s"}
     section = FigureSection.model_construct(mark=marks, level=levels, **words)
     return Figure(section, (4.0, 6.0, 8.0), curves)

@@ -82,7 +82,7 @@ class _Map:
     @property
     def shown_m_s(self) -> Any:
         """The expected limits or, where no tests tell, those by the model, m/s, (ceramics, back plates, threats)."""
-        expected = self.grid.by_tests_m_s[..., self.grid.probabilities.index(EVEN)]
+        expected = self.grid.untruncated_m_s[..., self.grid.probabilities.index(EVEN)]
         return np.where(np.isnan(expected), self.grid.limits_m_s, expected)
 
     def required(self) -> tuple[Any, Any, str]:
@@ -95,14 +95,14 @@ class _Map:
         margins_m_s, velocities_m_s = self.catalogue.margins_m_s, self.catalogue.velocities_m_s
         excess_m_s = self.shown_m_s - velocities_m_s - margins_m_s
         asked = [1.0 - bound for bound in self.catalogue.bounds.tolist()]
-        known = ~np.isnan(self.grid.by_tests_m_s[..., 0])
+        known = ~np.isnan(self.grid.untruncated_m_s[..., 0])
         for threat in np.flatnonzero(self.catalogue.required):
-            by_tests_m_s = self.grid.by_tests_m_s[..., threat, self.grid.probabilities.index(asked[threat])]
+            by_tests_m_s = self.grid.untruncated_m_s[..., threat, self.grid.probabilities.index(asked[threat])]
             by_limit_m_s = excess_m_s[..., threat] if margins_m_s[threat] > 0.0 else np.inf
             by_tests_m_s = np.minimum(by_tests_m_s - velocities_m_s[threat], by_limit_m_s)
             excess_m_s[..., threat] = np.where(known[..., threat], by_tests_m_s, excess_m_s[..., threat])
         by_model = not (known.any() or self.catalogue.required.any())
-        is_stated = ((known & (self.grid.greatest >= asked)) | by_model).all(axis=-1)
+        is_stated = ((known & (self.grid.greatest_probability >= asked)) | by_model).all(axis=-1)
         words = "stopped by the model" if by_model else f"stops a shot with {percent(asked[0])} or more"
         if margins_m_s.any() or len({*asked}) > 1:
             words = "does what is required"
@@ -141,7 +141,7 @@ class _Map:
             low, high = map(self.grid.stopped_with, (USUAL_CHANCE, 1.0 - USUAL_CHANCE))
             look: Any = {"color": drawing.BLUE, "label": "stopped with 95 to 5 %", **drawing.BAND}
             axes.fill_between(x, low[..., threat].ravel(), high[..., threat].ravel(), **look)
-        kind = "limit by the model" if np.isnan(self.grid.by_tests_m_s).all() else "expected limit"
+        kind = "limit by the model" if np.isnan(self.grid.untruncated_m_s).all() else "expected limit"
         drawing.curve(axes, x, limits, self.is_far[:, threat], color=drawing.BLUE, label=kind)
         required = self.catalogue.threats[threat].required_m_s
         axes.axhline(required, linestyle="--", label=f"{required:g} m/s required", **drawing.RULE)
