@@ -335,7 +335,8 @@ def check_of(
 ) -> CheckResult:
     """Check the armour of a scenario, as `check` does without offers.
 
-    `changes` tells whether to compute the small changes, and `needed` whether to search the flow stress that a ceramic
+    `changes` tells whether to check again after each small change for the worse, such as a thinner layer, a faster
+    impact or another angle, and `needed` whether to search the flow stress that a ceramic
     without tests needs; both take time.  If the armour is an `offer`, this gives its cost, and its name for tables.
     """
     section = scenario.design or DesignSection()

@@ -377,10 +377,10 @@ def candidates(current: Posterior, settings: ShotSettings, count: int) -> Floats
 
 
 class Firings:
-    """n simulated firings at the same time, each with its posterior over the points of a common grid, (n, points).
+    """Simulated firings, each a series of shots, with their posteriors on a common grid of V50 and scatter.
 
-    All `count` firings start from the posterior `current`, follow the Bayesian procedure with the same settings, and
-    aim at one of `velocities` evenly spaced velocities.
+    `weights` has those of its points, (count, points).  All `count` firings start from the posterior `current`, follow
+    the Bayesian procedure with the same settings, and aim at one of `velocities` evenly spaced velocities.
     """
 
     def __init__(self, current: Posterior, settings: ShotSettings, count: int, velocities: int) -> None:

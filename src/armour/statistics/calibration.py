@@ -404,20 +404,20 @@ def _origin_warnings(tests: Tests, residuals: Sequence[Residual]) -> Iterator[st
             remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
         elif len(days := _day_numbers(names)) and np.ptp(days):
             since = days - days.mean()
-            if (chance := _share_of_orders(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
+            if (p_value := _permutation_p_value(deviations, since[None], np.ones(1))) < FALSE_ALARMS:
                 drift = 100.0 * np.expm1(deviations @ since / (since @ since) * np.ptp(days))
                 ends = f"from {names[days.argmin()]} to {names[days.argmax()]}"
-                yield f"the deviations drift with the {column}: {drift:+.1f} % {ends}; {_in_words(chance)}; {remedy}"
+                yield f"the deviations drift with the {column}: {drift:+.1f} % {ends}; {_by_chance(p_value)}; {remedy}"
                 continue
         has_name = names == np.unique(names)[:, None]
         counts = has_name.sum(axis=1)
-        if len(counts) > 1 and (chance := _share_of_orders(deviations, has_name, counts)) < FALSE_ALARMS:
+        if len(counts) > 1 and (p_value := _permutation_p_value(deviations, has_name, counts)) < FALSE_ALARMS:
             means = 100.0 * (np.exp(has_name @ deviations / counts) - 1.0)
             by_name = [f"{name or 'none'} {mean:+.1f} %" for name, mean in zip(np.unique(names), means, strict=True)]
-            yield f"the deviations differ by {column}: {joined(by_name)}; {_in_words(chance)}; {remedy}"
+            yield f"the deviations differ by {column}: {joined(by_name)}; {_by_chance(p_value)}; {remedy}"
 
 
-def _share_of_orders(deviations: Floats, contrasts: Any, counts: Any) -> float:
+def _permutation_p_value(deviations: Floats, contrasts: Any, counts: Any) -> float:
     """Return the p value of a permutation test: the share of random orders that differ as much by group or date.
 
     A difference is the sum of the squares of the `contrasts`, (k, n), of the deviations, (n,), each over its count,
@@ -428,9 +428,9 @@ def _share_of_orders(deviations: Floats, contrasts: Any, counts: Any) -> float:
     return float((squares > squares[0] * (1.0 - 1e-9)).mean())
 
 
-def _in_words(chance: float) -> str:
-    """Return the p value of `_share_of_orders` in words of a warning."""
-    return f"chance alone does this in {100.0 * chance:.2g} % of tables"
+def _by_chance(p_value: float) -> str:
+    """Return a p value, 0 to 1, as part of a warning: "chance alone does this in 2 % of tables"."""
+    return f"chance alone does this in {100.0 * p_value:.2g} % of tables"
 
 
 def _day_numbers(cells: Iterable[str]) -> Floats:

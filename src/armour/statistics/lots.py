@@ -27,7 +27,8 @@ class V50Difference:
     confidence : float
         Confidence level of the interval.
     p_value : float
-        Probability of a deviance as large as that of no difference, if there is none.
+        Probability of a deviance as large as that of no difference, if there is none; of several comparisons,
+        multiplied by their number, at most 1.
     scatter_m_s : float
         The common scatter, m/s.
     """

@@ -20,19 +20,24 @@ PENETRATIONS = (("stopped", False, drawing.GREEN, "o"), ("perforated", True, dra
 
 @draw.register
 def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the probability of stopping a shot over velocity, and the limits at two quantiles of each input."""
+    """Draw the probability of stopping a shot over velocity, and the limits at two quantiles of each input.
+
+    Where it is not known, draw the share of samples that stop by the distributions alone, with the model as exact.
+    """
     curve, level = result.curve, percent(result.confidence)
-    p, shares = result.probability_of_perforation or result.perforated_by_distributions, curve.probability
+    p, probability = result.probability_of_perforation or result.perforated_by_distributions, curve.probability
     assert p is not None
     velocity = result.question["scenario"].impact.velocity_m_s
     names = [Column.of(each.input).label for each in result.inputs]
-    ends = f"{1.0 - p.high:.3f} to {1.0 - p.low:.3f}"
-    note = f"{level} intervals by sampling: {ends} at {velocity:g} m/s; the band for the curve."
+    interval_words = f"{1.0 - p.high:.3f} to {1.0 - p.low:.3f}"
+    note = f"{level} intervals by sampling: {interval_words} at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
-    axes.set(ylabel="stops a shot" if shares else "stopped, with the model taken as exact", ylim=(0.0, 1.0))
-    stops, below, above = (1.0 - np.array(ends) for ends in (shares or curve.by_distributions, curve.high, curve.low))
+    axes.set(ylabel="stops a shot" if probability else "stopped, with the model taken as exact", ylim=(0.0, 1.0))
+    stops, below, above = (
+        1.0 - np.array(ends) for ends in (probability or curve.by_distributions, curve.high, curve.low)
+    )
     axes.fill_between(curve.velocity_m_s, below, above, color=drawing.BLUE, **drawing.BAND)
     axes.plot(curve.velocity_m_s, stops, color=drawing.BLUE)
     limits = {"limit by the model": result.deterministic_m_s}

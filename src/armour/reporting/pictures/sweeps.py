@@ -55,7 +55,7 @@ def draw_columns(
 
 
 def _draw_curve(axes: Axes, x: Any, values: Any, is_far: Any) -> None:
-    """Draw a quantity over a key, both (rows,), dashed with hollow marks where `is_far`, (rows,), is true."""
+    """Draw a quantity over a key, both (rows,); dashed with hollow marks where `is_far`, from the tests, (rows,)."""
     order = np.argsort(x, kind="stable")
     marker = "" if len(order) > 40 else "o"  # marks of more points would run together
     drawing.curve(axes, x[order], values[order], is_far[order], marker=marker, color=drawing.BLUE)

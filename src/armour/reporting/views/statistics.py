@@ -398,7 +398,8 @@ def difference_words(result: LotResults, name: str = "") -> list[str]:
 def _difference_words(lots: str, found: V50Difference, comparisons: int) -> str:
     """Return whether two lots, as "lot A minus lot B", differ, with the interval of the difference.
 
-    All `comparisons` hold together with a lower confidence than each alone.
+    The confidence of `found` is that of its interval alone: all `comparisons` hold together with a lower one, which the
+    line states.  Its p value is already multiplied by their number.
     """
     together = 1.0 - (1.0 - found.confidence) * comparisons
     ends = interval(found.interval_m_s, ".0f")
