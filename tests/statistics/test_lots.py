@@ -75,8 +75,8 @@ def test_lots_that_are_the_same_do_not_differ_and_a_shift_is_the_difference():
 def test_several_pairs_have_wider_intervals_that_hold_together():
     found = compared({"A": moved(0.0), "B": moved(25.0), "C": moved(50.0)}, {})
     alone = difference(50.0)
-    together = found.differences["C minus A"]
-    assert [*found.differences] == ["B minus A", "C minus A", "C minus B"]
+    together = found.differences["C", "A"]
+    assert [*found.differences] == [("B", "A"), ("C", "A"), ("C", "B")]
     assert together.confidence == pytest.approx(1.0 - 0.05 / 3.0)
     assert together.p_value == pytest.approx(3.0 * alone.p_value)
     assert known(together.interval_m_s[0]) < known(alone.interval_m_s[0])

@@ -358,17 +358,17 @@ class LotResults(EachResult):
 
     Attributes
     ----------
-    differences : mapping of str to V50Difference
-        By the names of both lots, as "lot B minus lot A".  The intervals of all together have the confidence level of
-        the results: of n differences, each interval is of the level at which n times fewer are wrong, and each p value
-        is n times that of the two lots alone.
+    differences : mapping of tuple of str to V50Difference
+        By the names of both lots, ("lot B", "lot A") for the V50 of B minus that of A.  The intervals of all together
+        have the confidence level of the results: of n differences, each interval is of the level at which n times fewer
+        are wrong, and each p value is n times that of the two lots alone.
     """
 
-    differences: Mapping[str, V50Difference]
+    differences: Mapping[tuple[str, str], V50Difference]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the results as plain data, by name, and the differences."""
-        differences = {name: dict(vars(difference)) for name, difference in self.differences.items()}
+        differences = {" minus ".join(lots): dict(vars(found)) for lots, found in self.differences.items()}
         return {**super().to_dict(), "differences": differences}
 
 
@@ -382,7 +382,7 @@ def compared(results: Mapping[str, FiringResult], unanswered: Mapping[str, str])
     for (first, one), (second, other) in comparisons:
         found = one.difference(other, 1.0 - (1.0 - one.confidence) / len(comparisons))
         p_value = min(found.p_value * len(comparisons), 1.0)
-        differences[f"{second} minus {first}"] = replace(found, p_value=p_value)
+        differences[second, first] = replace(found, p_value=p_value)
     return LotResults(results, unanswered, differences)
 
 

@@ -391,8 +391,11 @@ def lots_in_a_line(result: LotResults) -> str:
 
 def difference_words(result: LotResults, name: str = "") -> list[str]:
     """Return a line for each two lots that are compared, or for those with lot `name`: whether they differ."""
-    asked = {lots: each for lots, each in result.differences.items() if not name or name in lots.split(" minus ")}
-    return [_difference_words(lots, difference, len(result.differences)) for lots, difference in asked.items()]
+    asked = {lots: each for lots, each in result.differences.items() if not name or name in lots}
+    return [
+        _difference_words(" minus ".join(lots), difference, len(result.differences))
+        for lots, difference in asked.items()
+    ]
 
 
 def _difference_words(lots: str, found: V50Difference, comparisons: int) -> str:
