@@ -441,7 +441,8 @@ def read_rows(
     """Read the rows of an open table of a kind; at least ``least`` must be left.
 
     Rows are left out if they do not count, or if their cells differ from those that ``where`` requires, by column.
-    Columns that are not read must not divide the rows, unless ``ignore`` names them or the table is not ``closed``.
+    If the table is ``closed`` to what is not read, no such column may divide the rows into groups of equal cells,
+    unless ``ignore`` names it.
     """
     columns, where = columns_of(source.header, kind.keys), where or {}
     chosen = [(i, str(value)) for name, value in where.items() for i in places_of(source, columns, name)]

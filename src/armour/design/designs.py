@@ -195,9 +195,11 @@ class Designs:
         self.offered = np.flatnonzero(is_within & catalogue.metal[self.columns.pair])
         self.unsourced = catalogue.lacks_sources[self.columns.pair] & (self.columns.ceramic_mm > 0.0)
         count = len(self.values)
+        # Verdicts, and whether the model error is known against every threat.
         self._verdicts, self._known = np.full(count, UNJUDGED), np.zeros(count, dtype=bool)
+        # Limits by the model, limits shown and slack, m/s; NaN until they are computed.
         self._measured = np.full((3, count, len(catalogue.threats)), np.nan)
-        self._sampled: dict[int, int] = {}
+        self._sampled: dict[int, int] = {}  # verdicts by samples, by place
 
     def rows(self, where: Ints) -> Variants:
         """Return one impact for each design and threat, (designs * threats,), see `Catalogue.against_each`."""

@@ -78,6 +78,8 @@ class RequirementCurves(NamedTuple):
         `weights`, (n, points), are those of `ratios`; `response`, (m, points), is the probability of complete
         penetration at each velocity by each curve.
         """
+        # `met` of a curve is 1, 0 or, where it just meets the requirement, 0.5: the evidence for a side is the chance
+        # of the shots by its curves over the greatest by one that just meets.
         gained = np.zeros((len(weights), len(response)))
         for chance in (response, 1.0 - response):
             edge = (weights[:, None, self.met == 0.5] * chance[:, self.met == 0.5]).max(axis=2)

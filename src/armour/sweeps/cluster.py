@@ -93,7 +93,10 @@ def workers_of(client: "Client") -> Iterator[Workers]:
 
 
 def _call(expected: str, call: bytes) -> Chunk:
-    """Return the chunk of a pickled function and its rows, on a worker whose program must have the `expected` hash."""
+    """Call a pickled function with its rows, return the chunk that it computes, and refuse a program of another hash.
+
+    The hash of the worker's program must be the `expected` one.
+    """
     if program() != expected:
         raise _error("must have workers with this version of armour and numpy, found a worker with others")
     function, rows = pickle.loads(call)
