@@ -49,7 +49,8 @@ NAMES = {
 # Ends of the interval, the velocity that is stopped with 95 %, and the median.
 CHANCES = np.array([0.025, 0.05, 0.5, 0.975])
 # Parts of the tests at each end of the range of a property that are left out.
-ENDS = {"backing_thickness_ratio": ("thickness, third", 1.0 / 3.0), "backing_strength_GPa": ("strength, 15 %", 0.15)}
+PARTS = {"15 %": 0.15, "third": 1.0 / 3.0}
+ENDS = {"backing_thickness_ratio": ("thickness", ("15 %", "third")), "backing_strength_GPa": ("strength", ("15 %",))}
 # Logarithm of the factor beyond the thicknesses tested up to which a probability of bare plates is known.
 KNOWN = float(np.log(FARTHEST_BARE))
 # Greatest difference of velocities from the measured limit, per cent; scatters of shots, per cent, and probabilities of
@@ -222,16 +223,16 @@ def ends(name: str) -> Iterator[list[str]]:
     """Give the coverage of the tests at the ends of a range that are left out."""
     group = GROUPS[name]
     plates = plates_of(group.kind, group.metal)
-    for column, (words, share) in ENDS.items():
+    for column, words, part in [(column, words, part) for column, (words, parts) in ENDS.items() for part in parts]:
         values = plates.quantities[column]
-        low, high = np.quantile(values, (share, 1.0 - share))
+        low, high = np.quantile(values, (PARTS[part], 1.0 - PARTS[part]))
         for end, out in (("least", values <= low), ("greatest", values >= high)):
             if len(np.unique(plates.alloy[~out])) <= len(group.terms):
                 continue
             found, rest = left_out(group, plates, [out]), values[~out]
             near = abs(np.log(values[out] / values[out].clip(rest.min(), rest.max()))) <= KNOWN
             known = f"{100.0 * found.at(near).above.mean():.0f}" if column == "backing_thickness_ratio" else ""
-            yield [NAMES[name], f"{end} {words}", *found.row(), known]
+            yield [NAMES[name], f"{end} {words}, {part}", *found.row(), known]
 
 
 def angles() -> Iterator[list[str]]:
