@@ -40,7 +40,7 @@ def uncertainty_in_a_line(result: UncertaintyResult) -> str:
     assert p is not None
     value, low, high = sampled_percents(1.0 - p.value, (1.0 - p.high, 1.0 - p.low))
     if result.probability_of_perforation is None:
-        reason = no_error(scenario).partition(";")[0] if scenario else "no test of such an armour is known"
+        reason = no_error(scenario) if scenario else "no test of such an armour is known"
         return f"not known: {reason}; with the model taken as exact {value:.1f} %"
     shot = f" of {rounds(scenario.impact, {}, ())}" if scenario else ""
     return f"stops a shot{shot} with {value:.1f} % (± {rounded_up(max(value - low, high - value))} by sampling)"
