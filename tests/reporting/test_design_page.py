@@ -5,11 +5,10 @@ import random
 import re
 import shlex
 from base64 import b64decode, b64encode
-from collections.abc import Sequence
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ from armour.reporting.design_page import design_page
 from armour.reporting.formats import TEMPLATES
 from armour.reporting.views.design import chance_text, found_in_a_line, limit_text, limit_words, verdict_word
 from armour.scenario.scenario import Scenario
-from tests.helpers.browser import CHROMIUM, browse, needs_chromium
+from tests.helpers.browser import CHROMIUM, Question, browsed, needs_chromium
 from tests.helpers.cases import scenario, shipped_scenario
 from tests.helpers.known import known
 
@@ -134,57 +133,6 @@ def test_what_is_not_shown_is_said():
 
 
 # --- in Chromium ------------------------------------------------------------------------------------------------------
-
-
-class Question(NamedTuple):
-    """A page, a script that returns what is asked of it, or a promise, and the width of its frame."""
-
-    content: str
-    script: str
-    width: int = 1280
-
-
-WATCH = """const said = [];
-  addEventListener("error", e => said.push(e.message));
-  addEventListener("securitypolicyviolation", e => said.push(e.violatedDirective + " " + e.blockedURI));"""
-
-
-def framed(question: Question) -> str:
-    """The page of a question with its script, which the policy admits, and with one that watches."""
-    after = f"""(async () => {{
-      let found; try {{ found = await (async () => {{ {question.script} }})(); }} catch (e) {{ said.push(String(e)); }}
-      const asked = performance.getEntriesByType("resource").map(entry => entry.name);
-      document.body.innerHTML = "";
-      const pre = document.createElement("pre");
-      pre.id = "found";
-      pre.textContent = JSON.stringify({{ said, asked, found }});
-      document.body.append(pre);
-      }})();"""
-    hashes = " ".join(f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in (WATCH, after))
-    content = question.content.replace("script-src '", f"script-src {hashes} '", 1)
-    content = content.replace("<title>", f"<script>{WATCH}</script><title>", 1)
-    return content.replace("</body>", f"<script>{after}</script></body>")
-
-
-def browsed(folder: Path, questions: Sequence[Question]) -> list[Any]:
-    """What the scripts return, all in one start of the browser; without an error or a request."""
-    # The window of a browser cannot be as narrow as a telephone's; a frame can.
-    frames = ""
-    for number, question in enumerate(questions):
-        (folder / f"{number}.html").write_text(framed(question))
-        frames += f'<iframe src="{number}.html" style="width: {question.width}px; height: 900px"></iframe>'
-    take = """setTimeout(() => {
-      const found = [...document.querySelectorAll("iframe")].map(frame =>
-        JSON.parse(frame.contentDocument.getElementById("found").textContent));
-      document.body.textContent = JSON.stringify(found);
-    }, 4000);"""
-    (folder / "outer.html").write_text(f"<body>{frames}<script>{take}</script></body>")
-    window = ("--window-size=1400,1200", "--virtual-time-budget=8000", "--dump-dom")
-    written = browse(folder / "outer.html", *window)
-    [text] = re.findall(r"<body>(.*)</body>", written, re.DOTALL)
-    results = json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
-    assert [(result["said"], result["asked"]) for result in results] == [([], [])] * len(questions)
-    return [result["found"] for result in results]
 
 
 CASES = [

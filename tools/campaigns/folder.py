@@ -16,7 +16,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from functools import cache
-from hashlib import sha256
 from importlib.metadata import packages_distributions
 from pathlib import Path
 from random import Random
@@ -86,15 +85,10 @@ def planted(folder: Path, keys: Path, ran: Path, dice: Random) -> None:
         (store / "rows").symlink_to(keys) if dice.random() < 0.5 else (store / "rows").write_bytes(dice.randbytes(4096))
 
 
-def contents(folder: Path) -> dict[str, str]:
-    """Return what is in a folder: the hash of each file, and where a link leads."""
-    found = {}
-    for path in sorted(folder.rglob("*")):
-        if path.is_symlink():
-            found[str(path)] = os.readlink(path)
-        elif path.is_file():
-            found[str(path)] = sha256(path.read_bytes()).hexdigest()
-    return found
+def contents(folder: Path) -> dict[Path, bytes]:
+    """Return what is in a folder: the content of each file, and where a link leads."""
+    there = [path for path in folder.rglob("*") if path.is_symlink() or path.is_file()]
+    return {path: os.fsencode(os.readlink(path)) if path.is_symlink() else path.read_bytes() for path in there}
 
 
 def ended(words: list[str], folder: Path, home: Path) -> tuple[int, str]:
@@ -123,7 +117,7 @@ def trial(place: Path, dice: Random, answers: dict[str, tuple[int, str]]) -> str
     if left := [*ran.iterdir()]:
         return f"{WRONG}: {left[0].name} was run by {command}"
     if changed := [path for path, content in before.items() if after.get(path) != content]:
-        return f"{WRONG}: {Path(changed[0]).name} changed by {command}"
+        return f"{WRONG}: {changed[0].name} changed by {command}"
     if "Traceback" in said or code not in (0, 1, 2, 3):
         return f"{WRONG}: exit code {code} of {command}: {said[-300:]}"
     if code == 2 or "{scenario}" in command:

@@ -255,9 +255,8 @@ class Maker:
     def file(self, name: str, content: bytes) -> str:
         """Return the name of a file."""
         self.files[name] = content
-        return (
-            name if self.dice.gentle or self.dice.random() < 0.97 else self.dice.choice(["missing", ".", "/dev/null"])
-        )
+        is_given = self.dice.gentle or self.dice.random() < 0.97
+        return name if is_given else self.dice.choice(["missing", ".", "/dev/null"])
 
     def assignment(self) -> str:
         """Return a change of a scenario."""
@@ -323,11 +322,13 @@ VALUES: dict[str, Callable[[Maker], str]] = {
     "KEY=VALUE": Maker.assignment,
     "KEY=VALUES": Maker.values,
     "--cases": lambda maker: maker.table("c.csv", CASES.encode()),
+    "--against": lambda maker: maker.table("c.json", EARLIER[0]),
     "--quantities": lambda maker: ",".join(sorted({maker.among(*QUANTITIES) for _ in range(2)})),
 }
 WORDS: dict[str, tuple[object, ...]] = {
     "words": (*TEXTS, "STANAG 4569 level 3, B32", "HHA Class 1", "metals", "7.62"),
     "--keep": ("offer", *TEXTS),
+    **dict.fromkeys(("--each", "--ignore"), ("panel", "Tile lot", "Angle", "void", *TEXTS)),
     "--where": ("panel=A", "panel=1", "remark=x", "x", *TEXTS),
     "--sheet": ("Sheet1", *TEXTS),
     "--from": ("wilkins", "paper", "tests/shots", "study.ipynb", "template", "threats/nij_iv", "x", "../x"),
@@ -357,8 +358,8 @@ FILES = {
 }
 # How often an option is given that is not given in a fifth of the trials.
 OFTEN = {
-    **{"--json": 0.5, "--set": 0.15, "--plot": 0.1, "--force": 0.1, "--list": 0.05, "--update": 0.1, "--against": 0.01},
-    **{"--only": 0.7, "--scheduler": 0.02, "--over": 0.6},
+    **{"--json": 0.5, "--set": 0.15, "--plot": 0.1, "--force": 0.1, "--list": 0.05, "--update": 0.1},
+    **{"--only": 0.7, "--scheduler": 0.02, "--sheet": 0.02, "--keep": 0.05, "--by-model": 0.05, "--over": 0.6},
     **{"suite": 0.95, "table": 0.7, "--yes": 0.0},
 }
 # Scenarios of which a command mostly reads one.
@@ -370,6 +371,8 @@ SUITED = {
     "plan shots": ["wilkins", "bare_plate", "paper/optimum_7.62mm_AP", "unknown_ceramic"],
 }
 COMMANDS: dict[str, list[Any]] = {}
+# What an earlier check printed.
+EARLIER: list[bytes] = []
 # Trials of a command of which some must end with exit code 0.
 FEW = 100
 # Numbers of trials relative to other commands: of some that take long on any input, or whose input is simple.
@@ -398,10 +401,8 @@ def run(made: Trial, folder: Path) -> Outcome:
     seconds, code = usage.ru_utime + usage.ru_stime, os.waitstatus_to_exitcode(status)
     stdout, stderr = ((folder.parent / name).read_text(errors="replace") for name in ("out", "err"))
     faults = [] if code in range(CHECK_FAILED + 1) else [SIGNALS.get(code, f"exit code {code}")]
-    if "Traceback" in stderr:
-        faults.append("traceback")
-    if usage.ru_maxrss > LIMIT_MIB * 1024:
-        faults.append(f"{usage.ru_maxrss / 1024:.0f} MiB")
+    faults += ["traceback"] if "Traceback" in stderr else []
+    faults += [f"{usage.ru_maxrss / 1024:.0f} MiB"] if usage.ru_maxrss > LIMIT_MIB * 1024 else []
     after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     written = [path for path in after if after[path] != before.get(path)]
     left = [path.name for path in written if not may_be_left(path, code, made.arguments)]
@@ -419,11 +420,9 @@ def run(made: Trial, folder: Path) -> Outcome:
 
 def may_be_left(path: Path, code: int, arguments: list[str]) -> bool:
     """Return whether a command that fails may leave a file, as the pages say."""
-    if code == NO_ANSWER and arguments[0] == "optimise":  # how far the designs are from what is required
-        return True
-    if code == WRONG_INPUT and path.read_bytes().startswith(BEGINNING):  # the mistakes as JUnit XML
-        return True
-    return path.suffix == ".lock"
+    is_map = code == NO_ANSWER and arguments[0] == "optimise"  # of how far the designs are from what is required
+    is_mistakes = code == WRONG_INPUT and path.read_bytes().startswith(BEGINNING)  # as JUnit XML
+    return is_map or is_mistakes or path.suffix == ".lock"
 
 
 def in_child(made: Trial, folder: Path) -> int:
@@ -458,6 +457,7 @@ def warm_up() -> None:
     for example in (*examples, "armour optimise wilkins --map m.html"):
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
             CliRunner().invoke(app, example.removeprefix("armour "))
+    EARLIER.append(CliRunner().invoke(app, "check wilkins --json").stdout.replace("wilkins", "s.toml").encode())
     import pyarrow.csv
     import pyarrow.parquet  # noqa: F401
 

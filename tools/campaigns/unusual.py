@@ -10,11 +10,10 @@ the same way. A least ceramic thickness is compared with a scan that is four tim
 
 import numpy as np
 
-from armour.analysis.variants import Bools, Floats, Ints, Variants, ballistic_limits
+from armour.analysis.variants import Bools, Floats, Variants, ballistic_limits
 from armour.core.search import DENSE_SCAN_POINTS, scan
 from armour.core.state import Outcome, Parameters
 from armour.engine import batch
-from armour.errors import InputError
 from armour.evidence.tests import UNUSUAL_FACTOR, armours_of, is_unusual, shipped_evidence
 from armour.scenario.scenario import Scenario
 from armour.scenario.schema import DRIVE_LAWS, SHEAR_LAWS
@@ -94,21 +93,8 @@ def outcomes(designs: Variants, velocities: Floats) -> Bools:
     return (found.outcome == Outcome.PERFORATED).reshape(-1, count)
 
 
-def ended(designs: Variants, rows: Ints) -> Ints:
-    """Return the rows whose search ends without a message that a run takes more steps than a command allows."""
-    try:
-        ballistic_limits(designs.at(rows), (LOW, HIGH), tolerance=TOLERANCE)
-    except InputError:
-        halves = np.array_split(rows, 2) if len(rows) > 1 else []
-        return np.concatenate([rows[:0], *(ended(designs, half) for half in halves)])
-    return rows
-
-
 def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     """Return how many limits are above the lowest change that a scan by usual impacts sees, and words on them."""
-    rows = ended(designs, np.arange(len(designs.velocities)))
-    unresolved = len(designs.velocities) - len(rows)
-    designs = designs.at(rows)
     velocities = np.array(scan(LOW, HIGH, DENSE_SCAN_POINTS))
     parts = np.array_split(np.arange(len(designs.velocities)), -(-len(designs.velocities) // PART))
     beyond = np.concatenate([outcomes(designs.at(part), velocities) for part in parts])
@@ -124,24 +110,20 @@ def compare_limits(name: str, designs: Variants) -> tuple[int, str]:
     ends = [designs.at(lower)._replace(velocities=end[lower]) for end in (stopped, limits)]
     confirmed = int((~ends[0].perforated() & ends[1].perforated()).sum()) if len(lower) else 0
     wrong = int((~same).sum()) - confirmed
-    return wrong, f"{wrong} of {len(low):,} {name}" + (f" ({unresolved} more end with a message)" if unresolved else "")
+    return wrong, f"{wrong} of {len(low):,} {name}"
 
 
 def compare_thicknesses(designs: Variants) -> int:
     """Return how many least ceramic thicknesses differ from the lowest change that a denser scan sees."""
     points = TIMES_DENSER * (DENSE_SCAN_POINTS - 1) + 1
     values = np.linspace(THICKNESSES["min"], THICKNESSES["max"], points)
-    same = unresolved = 0
+    same = 0
     for i in range(len(designs.velocities)):
-        try:
-            least = designs.at(np.array([i])).least_thicknesses("ceramic").mm[0]
-        except InputError:  # a run of more steps than a command takes
-            unresolved += 1
-            continue
+        least = designs.at(np.array([i])).least_thicknesses("ceramic").mm[0]
         stops = ~designs.at(np.full(points, i)).with_thicknesses(ceramic_mm=values).perforated()
         first = int(stops.argmax())
         same += bool(values[max(first - 1, 0)] <= least <= values[first] if stops.any() else np.isnan(least))
-    return len(designs.velocities) - unresolved - same
+    return len(designs.velocities) - same
 
 
 def main() -> int:
