@@ -10,7 +10,7 @@ The public names are those in the stub file ``__init__.pyi``; each is imported o
 from collections.abc import Callable
 from functools import cache
 
-__version__ = "2.2.0"
+__version__ = "3.0.0"
 # First number: the equations and their interpretation. Second number: any change of the computed digits.
 MODEL_VERSION = "1.7"
 
