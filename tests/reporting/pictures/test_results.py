@@ -381,7 +381,7 @@ def test_an_uncertainty_without_a_known_probability_draws_what_is_given_and_call
 def test_an_uncertainty():
     picture = picture_of(uncertainty_result().of(scenario=scenario(velocity=700.0)))
     curve, swings = picture.axes
-    assert "0.790 at 700 m/s" in labels(curve)
+    assert "79.0 % at 700 m/s" in labels(curve)
     assert picture.title == "Stops a shot of 7.62 mm AP at 700 m/s with 79.0 % (± 1 by sampling)"
     assert rows_of(swings) == ["ceramic flow stress", "penetrator mass"]
     assert [x_of(line) for line in marks(swings).values()] == [[677.0, 729.0], [769.0, 718.0]]

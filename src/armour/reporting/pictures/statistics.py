@@ -8,6 +8,7 @@ from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, between, grouped, in_words, interval, percent
 from armour.reporting.views.statistics import MEANS, velocity_name
+from armour.reporting.words import sampled_percents
 from armour.scenario.inputs import VELOCITY
 from armour.statistics.calibration import CalibrationResult
 from armour.statistics.sensitivity import SensitivityResult
@@ -29,8 +30,9 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     assert p is not None
     velocity = result.question["scenario"].impact.velocity_m_s
     names = [Column.of(each.input).label for each in result.inputs]
-    interval_words = f"{1.0 - p.high:.3f} to {1.0 - p.low:.3f}"
-    note = f"{level} intervals by sampling: {interval_words} at {velocity:g} m/s; the band for the curve."
+    stopped = 1.0 - p.value
+    percents, low, high = sampled_percents(stopped, (1.0 - p.high, 1.0 - p.low))
+    note = f"{level} intervals by sampling: {low:.1f} to {high:.1f} % at {velocity:g} m/s; the band for the curve."
     heights = [drawing.PANEL, *([drawing.rows_height(names, titled=True)] if names else [])]
     picture = sheet.panels(headline(result), *heights, note=note, sharex=True)
     axes = picture.axes[0]
@@ -44,11 +46,10 @@ def draw_uncertainty(result: UncertaintyResult, sheet: drawing.Sheet) -> drawing
     limits |= {f"limit, {100 * float(key):g} % below": each.value for key, each in result.limit_quantiles_m_s.items()}
     for (name, limit), style in zip(limits.items(), (":", "-.", "-", "--"), strict=True):
         drawing.velocity_line(axes, limit, drawing.INK, style, name)
-    stopped = 1.0 - p.value
-    drawing.points(axes, [velocity], [stopped], color=drawing.VERMILION, label=f"{stopped:.3f} at {velocity:g} m/s")
+    drawing.points(axes, [velocity], [stopped], color=drawing.VERMILION, label=f"{percents:.1f} % at {velocity:g} m/s")
     if names:
-        low, high = zip(*(each.limits_m_s for each in result.inputs), strict=True)
-        swings = {"input at its 5 % quantile": low, "input at its 95 % quantile": high}
+        lows, highs = zip(*(each.limits_m_s for each in result.inputs), strict=True)
+        swings = {"input at its 5 % quantile": lows, "input at its 95 % quantile": highs}
         drawing.rows(picture.axes[1], names, swings, result.deterministic_m_s)
         picture.axes[1].set_title("Ballistic limit with one input changed")
     changed = [limit for each in result.inputs for limit in each.limits_m_s]
