@@ -174,8 +174,8 @@ class CheckResult(TableResult):
     whole_areal_density_kg_m2, whole_thickness_mm : float
         The same, including a back plate that exists already.
     basis : dict of str to str
-        Hash of each part of the scenario beside armour and threats that decides how far the answer is trusted, by its
-        key: own entries of the library with their tests, and settings of the model and its error.
+        Hash of each part of the scenario on which the answer rests, by its key, besides tile, plate, threats and what
+        is required: settings other than the defaults, layers, prices, and own entries of the library with their tests.
     """
 
     threats: tuple[CheckedThreat, ...]

@@ -368,7 +368,7 @@ def _judged_parts(result: CheckResult) -> Iterator[tuple[str, Verdict, str]]:
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
     """Tabulate what differs from an earlier check, in the file `base`, and count what of it is weaker."""
     if not moves:
-        return [f"nothing has moved since {base}"]
+        return [f"nothing has changed since {base}"]
     table = Table.of(
         moves,
         (Column("scenario", prose=True), lambda move: move.scenario),
@@ -377,10 +377,10 @@ def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
         (Column("before"), lambda move: _moved_value(move.quantity, move.before)),
         (Column("now"), lambda move: _moved_value(move.quantity, move.now)),
         (Column("so"), lambda move: "weaker" * move.weaker),
-        title=f"moved since {base}",
+        title=f"changed since {base}",
     )
     weaker = sum(move.weaker for move in moves)
-    verdict = VerdictLine(f"weaker than in {base}: {weaker} of {len(moves)} that moved", good=False)
+    verdict = VerdictLine(f"weaker than in {base}: {weaker} of {len(moves)} changes", good=False)
     return [table, *[verdict] * bool(weaker)]
 
 
