@@ -219,17 +219,12 @@ class CheckResults(tuple[CheckResult, ...]):
 def _offer_row(result: CheckResult) -> dict[str, object]:
     """Return what a table of offers shows of one armour, by column; its labels come first."""
     threat, armour = deciding(result), result.question["scenario"].armour
-    row = {
-        "ceramic": armour.ceramic,
-        "ceramic_thickness_mm": armour.ceramic_thickness_mm,
-        "backing": armour.backing,
-        "backing_thickness_mm": armour.backing_thickness_mm,
+    found = ("threat", "ballistic_limit_m_s", "expected_limit_m_s", "probability_of_stopping")
+    row: dict[str, object] = {
+        **armour.model_dump(exclude={"layer"}),
         "areal_density_kg_m2": result.areal_density_kg_m2,
         "cost_per_m2": result.cost_per_m2,
-        "threat": threat.threat,
-        "ballistic_limit_m_s": threat.ballistic_limit_m_s,
-        "expected_limit_m_s": threat.expected_limit_m_s,
-        "probability_of_stopping": threat.probability_of_stopping,
+        **{key: getattr(threat, key) for key in found},
         "verdict": result.verdict,
         "far_from_tests": ", ".join(threat.far_from_tests),
     }
