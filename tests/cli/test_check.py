@@ -80,7 +80,7 @@ def unix_socket(path: Path) -> None:
         (lambda path: path.with_name("above").symlink_to(".."), "1 link"),
         (lambda path: os.mkfifo(path), "1 pipe or socket"),
         (unix_socket, "1 pipe or socket"),
-        (lambda path: (path.mkdir(), (path / "pyvenv.cfg").touch()), "1 virtual environment"),
+        (lambda path: (path.mkdir(), (path / "pyvenv.cfg").touch()), "1 virtual environment (x.toml)"),
     ],
 )
 @pytest.mark.usefixtures("doors")
