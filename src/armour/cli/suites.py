@@ -14,7 +14,6 @@ import armour
 from armour.cli import completion, options, runner
 from armour.cli.console import progress, say, show
 from armour.cli.runner import check_outputs
-from armour.errors import mistake
 from armour.files import suite_file
 from armour.reporting.table import Table, csv_text, grouped
 from armour.scenario.keys import changes_of
@@ -59,9 +58,8 @@ def validate(
     check_outputs((markdown, ()), junit=junit, inputs=suites.suite_files(loaded), updated=updated, force=force)
     with runner.as_options("only", {"text": "--only"}):
         chosen = loaded.only(only)
-    if update and not any(case.regression for case in chosen.cases):
-        needs = "regression = true in the suite, or in a case or table that has no source; other values are kept"
-        raise mistake(chosen.file, "", f"--update needs {needs}")
+    needs = "needs regression = true in the suite, or in a case or table that has no source; other values are kept"
+    runner.check_options(("--update", update and not any(case.regression for case in chosen.cases), needs))
 
     def updated_content(_path: Path) -> bytes | None:
         if judged.checks:

@@ -95,9 +95,8 @@ def moved(earlier: Any, checks: Sequence[Mapping[str, Any]], file: str) -> Itera
             bases = {} if old is None else old.basis, new.basis
             for part in sorted({*bases[0], *bases[1]}):
                 if bases[0].get(part) != bases[1].get(part):
-                    words = [PRESENT if part in basis else MISSING for basis in bases]
-                    now_words = "changed" if words[0] == words[1] else words[1]
-                    yield Moved(scenario, "", part, words[0], now_words, weaker=True)
+                    word, now_word = (PRESENT if part in basis else MISSING for basis in bases)
+                    yield Moved(scenario, "", part, word, "changed" if now_word == word else now_word, weaker=True)
 
 
 def _presence(scenario: str, threat: str, what: str, *, is_new: bool) -> Moved:

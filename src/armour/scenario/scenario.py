@@ -307,8 +307,8 @@ class Scenario(Section):
         # A cost that is given as 0 is known, and one that is left out is not.
         parts["armour.layer"] = [layer.model_dump(exclude={"name"}, exclude_unset=True) for layer in self.armour.layer]
         for key, options in (("design.ceramic", design.ceramic), ("design.backing", design.backing)):
-            prices = (option.model_dump(exclude={"thickness_mm"}, exclude_unset=True) for option in options)
-            parts[key] = [price for price in prices if len(price) > 1]
+            prices = [each for each in options if each.has_cost()]
+            parts[key] = [each.model_dump(exclude={"thickness_mm"}, exclude_unset=True) for each in prices]
         for kind, name in self.named_entries():
             if (entry := self.entry(kind, name)).file:
                 parts[keys.key_name(("library", kind, entry.name))] = entry.content()

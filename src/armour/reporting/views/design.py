@@ -387,18 +387,17 @@ def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
 def moved_junit(moves: Sequence[Moved], base: str, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a comparison with an earlier check: a failure for each part that is weaker."""
     cases = []
-    for move in moves:
-        if move.weaker:
-            title = " ".join(filter(None, (move.threat, quantity_words(move.quantity))))
-            before, now = (_moved_value(move.quantity, value) for value in (move.before, move.now))
-            words = f"weaker: {before} before, {now} now"
-            cases.append(TestCase(move.scenario, title, "failure", words, file=move.scenario))
+    for move in filter(attrgetter("weaker"), moves):
+        title = " ".join(filter(None, (move.threat, quantity_words(move.quantity))))
+        before, now = (_moved_value(move.quantity, value) for value in (move.before, move.now))
+        words = f"weaker: {before} before, {now} now"
+        cases.append(TestCase(move.scenario, title, "failure", words, file=move.scenario))
     return junit_suite(f"against {base}", cases or [TestCase(base, "nothing is weaker", "", "")], 0.0, origin)
 
 
 def quantity_words(quantity: str) -> str:
-    """Return the label and unit of a quantity; a key with a dot, of a section or an entry of the library, as it is."""
-    return quantity if "." in quantity else Column.of(quantity).heading
+    """Return the label and unit of a quantity; the key of a section, or one in it or in the library, as it is."""
+    return quantity if "." in quantity or quantity in Scenario.model_fields else Column.of(quantity).heading
 
 
 def _moved_value(quantity: str, value: float | str | None) -> str:
