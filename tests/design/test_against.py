@@ -19,12 +19,7 @@ BASE = scenario(
     ceramic="own",
     threat=THREATS,
     library={"ceramic": {"own": OWN}},
-    design={
-        "probability_of_stopping": 0.9,
-        "areal_density_max_kg_m2": 50.0,
-        "ceramic": CERAMICS,
-        "backing": METALS,
-    },
+    design={"probability_of_stopping": 0.9, "areal_density_max_kg_m2": 50.0, "ceramic": CERAMICS, "backing": METALS},
 )
 UNPRICED = {"material": "SiC", "thickness_mm": 6.0}
 LAYER = {"name": "glue", "place": "front", "thickness_mm": 1.0, "areal_density_kg_m2": 1.0}
@@ -77,8 +72,7 @@ def base() -> dict[str, Any]:
         ({"design.areal_density_max_kg_m2": 49.0}, set()),
         (threats({"velocity_m_s": 501.0}, {"margin_m_s": 5.0}, {"obliquity_deg": 0.0}), set()),
         ({"threat": [{"projectile": "7.62 mm AP", "velocity_m_s": 400.0}, *THREATS]}, set()),
-        ({"armour.ceramic_thickness_mm": 6.0}, set()),
-        ({"armour.backing_thickness_mm": 6.0, "design.ceramic": [*CERAMICS, UNPRICED], "solver": {}}, set()),
+        ({"armour.ceramic_thickness_mm": 6.0, "design.ceramic": [*CERAMICS, UNPRICED]}, set()),
     ],
 )
 def test_what_is_weaker(base: dict[str, Any], changes: dict[str, Any], weaker: set[tuple[str, str]]):
@@ -101,9 +95,8 @@ def test_a_missing_scenario_is_weaker_and_a_new_one_where_it_rests_on_what_is_it
     other = {**base, "scenario": "b.toml"}
     own = [("design.backing", True), ("design.ceramic", True), ("library.ceramic.own", True)]
     for before, now, weaker, more in (([base, other], [base], True, []), ([base], [base, other], False, own)):
-        moves = [*moved(before, now, "base.json")]
-        assert {move.scenario for move in moves} == {"b.toml"}
-        assert [(move.quantity, move.weaker) for move in moves] == [("scenario", weaker), *more]
+        found = [(move.quantity, move.weaker) for move in moved(before, now, "base.json") if move.scenario == "b.toml"]
+        assert found == [("scenario", weaker), *more]
 
 
 @pytest.mark.parametrize(
