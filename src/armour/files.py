@@ -140,12 +140,12 @@ def decoded(stream: BinaryIO, file: str) -> str:
     raise mistake(file, "", message)
 
 
-def read_json(path: str | PathLike[str]) -> Any:
-    """Read a JSON file; raise an InputError if it cannot be read or is not JSON."""
+def read_json(path: str | PathLike[str], must: str) -> Any:
+    """Read a JSON file; raise an InputError if it cannot be read or, saying what it `must` be, is not JSON."""
     try:
         return json.loads(read_text(path))
     except (ValueError, RecursionError):
-        raise mistake(path, "", "must be JSON") from None
+        raise mistake(path, "", must) from None
 
 
 def read_toml(path: str | PathLike[str], *, quoted: bool = True) -> dict[str, Any]:

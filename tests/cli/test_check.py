@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from armour.design.against import NO_BASE
 from tests.helpers.cases import SCENARIOS
 
 FAILS = (SCENARIOS / "wilkins.toml").read_text()
@@ -79,7 +80,7 @@ def unix_socket(path: Path) -> None:
         (lambda path: path.with_name("above").symlink_to(".."), "1 link"),
         (lambda path: os.mkfifo(path), "1 pipe or socket"),
         (unix_socket, "1 pipe or socket"),
-        (lambda path: (path.mkdir(), (path / "pyvenv.cfg").touch()), "1 virtual environment"),
+        (lambda path: (path.mkdir(), (path / "pyvenv.cfg").touch()), "1 virtual environment (x.toml)"),
     ],
 )
 @pytest.mark.usefixtures("doors")
@@ -199,14 +200,14 @@ def test_junit_xml_of_others_is_kept(cli, folder: Path, command: str, content: s
 def test_a_check_against_an_earlier_one(cli, doors: Path):
     (doors.parent / "base.json").write_text(cli("check", "doors", "--json").stdout)
     unmoved = cli("check", "doors/a.toml", "doors/b.toml", "--against", "base.json")
-    assert unmoved.stdout.endswith("\n\nnothing has moved since base.json\n")
+    assert unmoved.stdout.endswith("\n\nnothing has changed since base.json\n")
     weaker = PASSES.replace("600.0", "500.0")
     (doors / "a.toml").write_text(weaker)
     (doors / "b.toml").write_text(PASSES)
     result = cli("check", "doors", "--against", "base.json", "--junit", "j.xml")
     assert result.exit_code == 3
     assert result.stdout.startswith("2 armours: 2 expected to stop\n")
-    assert result.stdout.splitlines()[-1] == "weaker than in base.json: 2 of 6 that moved"
+    assert result.stdout.splitlines()[-1] == "weaker than in base.json: 2 of 6 changes"
     suite = ElementTree.parse(doors.parent / "j.xml").getroot()[-1]
     assert [case.get("name") for case in suite.findall("testcase")] == ["7.62 mm AP velocity, m/s"] * 2
     (doors / "b.toml").unlink()
@@ -219,7 +220,7 @@ def test_a_check_against_an_earlier_one(cli, doors: Path):
 
 def test_an_earlier_check_that_is_none(cli, folder: Path):
     (folder / "bad.json").write_text("[" * 100_000)
-    assert cli.fails(2, "check", "wilkins", "--against", "bad.json") == ["bad.json: must be JSON"]
+    assert cli.fails(2, "check", "wilkins", "--against", "bad.json") == [f"bad.json: {NO_BASE}"]
 
 
 def test_a_threat_that_holds_is_skipped_if_no_probability_is_required(cli, doors: Path):

@@ -55,7 +55,7 @@ def test_an_update_keeps_measurements(cli, suite: Path):
     suite.write_text(SUITE + "regression = true\n")
     result = cli("validate", suite, "--update")
     assert result.exit_code == 0
-    assert result.stderr.startswith("kept, as no regression values: 1 of 2 expected values\n")
+    assert result.stderr.startswith("kept 1 of 2 expected values, which are not regression values\n")
     assert suite.read_text() == SUITE.replace("277.4", "277.37752") + "regression = true\n"
     suite.write_text(SUITE.replace("723.77", "800.0") + "regression = true\n")
     assert cli("validate", suite, "--update").exit_code == 3
@@ -68,7 +68,7 @@ def test_an_update_fills_in_a_regression_value(cli, folder: Path):
     (folder / "suite.toml").write_text(text)
     for options in ((), ("-v",)):
         before = cli("validate", "suite.toml", *options)
-        assert "limit: no expected value yet; --update fills it in" in before.stdout
+        assert "1 case has no expected value yet; --update fills it in" in before.stdout
         assert "--verbose shows them" not in before.stdout
         verdict = "1 of 2 within their bands, 1 no expected value"
         assert (before.exit_code, before.stdout.splitlines()[0]) == (3, verdict)

@@ -210,7 +210,8 @@ def test_the_error_is_that_of_the_settings_of_the_tests(settings: dict[str, Any]
     with_error = scenario(
         uncertainty={"model": {"scale_percent": 9.0, "degrees_of_freedom": 1e6, "source": "tests"}}
     ).replaced(settings)
-    assert model_error(row_of(with_error), 700.0) is not None
+    # An error that the scenario gives may be that of another model.
+    assert (model_error(row_of(with_error), 700.0) is None) == key.startswith("solver")
 
 
 def test_beyond_30_degrees_a_plate_stops_at_least_as_surely_as_at_0():

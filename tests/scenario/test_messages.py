@@ -79,7 +79,7 @@ ballistic_limit.velocity_min_m_s = 5000
 optimise.ceramic_thickness_mm = { min = 3, max = 2, step = 0.1 }
     optimise.ceramic_thickness_mm.max: must be at least min, which is 3, found 2
 optimise.ceramic_thickness_mm = { min = 2, max = 3, step = 1e-9 }
-    optimise.ceramic_thickness_mm: must contain at most 100000 values, found 1e+09; widen the step
+    optimise.ceramic_thickness_mm: must contain at most 100,000 values, found 1e+09; widen the step
 optimise.ceramic_thickness_mm = { min = -2, max = 3, step = 1 }
     optimise.ceramic_thickness_mm.min: must be at least 0, found -2
 optimise.backing_thickness_mm = { min = 0, max = 3, step = 1 }

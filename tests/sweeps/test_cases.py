@@ -31,7 +31,7 @@ def test_axes():
         ("a=\u0661", "over a: must be MIN:MAX:STEP"),
         ("a=2:1:1", "over a: max: must be at least min, which is 2, found 1"),
         ("a=1:2:0", "over a: step: must be greater than 0, found 0"),
-        ("a=0:1:1e-9", "over a: must contain at most 100000 values, found 1e+09; widen the step"),
+        ("a=0:1:1e-9", "over a: must contain at most 100,000 values, found 1e+09; widen the step"),
         ("armour.ceramic=SiC", "over armour.ceramic: must be a key of numbers"),
     ],
 )

@@ -102,7 +102,7 @@ def test_only_some(folder: Path):
     # A part of the rows of a file is not held to bands.
     [table] = suite.only("two").tables
     assert (table.group, table.rms_band_percent, table.mean_band_percent) == ([], None, None)
-    with pytest.raises(InputError, match="whose name contains"):
+    with pytest.raises(InputError, match="only: text: must be part of the name of a case"):
         suite.only("nothing of this name")
 
 

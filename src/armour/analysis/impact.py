@@ -229,7 +229,7 @@ def unresolved_error(scenario: Scenario, velocity: float) -> InputError:
     else:
         key, value, advice = "arrest_velocity_m_s", f"{solver.arrest_velocity_m_s:g}", "raise it"
         value += "" if key in solver.model_fields_set else ", the default"
-    message = f"must let the run at {velocity:g} m/s end within {solver.max_steps} steps, found {value}; {advice}"
+    message = f"must let the run at {velocity:g} m/s end within {solver.max_steps:,} steps, found {value}; {advice}"
     return mistake(scenario.file, f"solver.{key}", message)
 
 

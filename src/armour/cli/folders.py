@@ -18,17 +18,18 @@ def scenario_paths(sources: Sequence[Path]) -> list[Path]:
 
     A note counts the files that are skipped.
     """
-    skipped = Counter[str]()
+    skipped = dict[Path, str]()
     scenarios = {source: _scenarios_in(source, skipped) for source in dict.fromkeys(sources) if os.path.isdir(source)}
     if skipped:
-        say(f"note: skipped {', '.join(counted(count, noun) for noun, count in sorted(skipped.items()))}")
+        nouns = sorted(Counter(skipped.values()).items())
+        say(f"note: skipped {', '.join(counted(count, noun) for noun, count in nouns)}")
     message = "must be a folder of scenarios, found none in it"
     refuse(Problem(str(source), "", message) for source, paths in scenarios.items() if not paths)
     return list(dict.fromkeys(path for source in sources for path in scenarios.get(source, [source])))
 
 
-def _scenarios_in(top: Path, skipped: Counter[str]) -> list[Path]:
-    """Return the scenarios in a folder and in the folders below, sorted; count other files by kind in `skipped`."""
+def _scenarios_in(top: Path, skipped: dict[Path, str]) -> list[Path]:
+    """Return the scenarios in a folder and in the folders below, sorted; add other files, with kinds, to `skipped`."""
 
     def fail(error: OSError) -> None:
         raise mistake(error.filename, "", f"cannot be read: {reason(error)}")
@@ -37,7 +38,7 @@ def _scenarios_in(top: Path, skipped: Counter[str]) -> list[Path]:
     for folder, folders, files in os.walk(top, onerror=fail):
         names = [*folders, *(name for name in files if name.lower().endswith(".toml"))]
         reasons = {name: _reason_to_skip(Path(folder, name)) for name in names}
-        skipped.update(filter(None, reasons.values()))
+        skipped.update((Path(folder, name), kind) for name, kind in reasons.items() if kind)
         folders[:] = [name for name in folders if not reasons[name]]
         paths += [Path(folder, name) for name in files if reasons.get(name) == ""]
     return sorted(paths)
@@ -50,7 +51,7 @@ def _reason_to_skip(path: Path) -> str:
     if path.is_symlink():
         return "link"
     if path.is_dir():
-        return "virtual environment" if (path / "pyvenv.cfg").exists() else ""
+        return f"virtual environment ({path})" if (path / "pyvenv.cfg").exists() else ""
     if not path.is_file():
         return "pipe or socket"
     try:

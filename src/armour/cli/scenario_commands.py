@@ -14,7 +14,7 @@ from armour.cli import completion, options, runner
 from armour.cli.console import emit, progress, say, show, show_json
 from armour.cli.folders import scenario_paths
 from armour.cli.runner import CSV, PICTURE, Files, answer, check_outputs, read_scenario
-from armour.design.against import Moved, moved
+from armour.design.against import NO_BASE, Moved, moved
 from armour.files import read_json, read_toml, shell_line, shipped_suites
 from armour.reporting.junit import junit_xml
 from armour.reporting.table import rows_csv
@@ -112,7 +112,9 @@ def check(
     probability: Any = options.PROBABILITY,
     by_model: bool = options.BY_MODEL,
     against: Path | None = options.file(
-        "Also list what moved since an earlier check, whose --json this file has; exit code 3 if anything is weaker."
+        "Also list what changed since an earlier check, whose --json output is FILE; exit code 3 if a threat or a "
+        "requirement is weaker or missing, what the answer rests on has changed, or a probability is no longer known; "
+        "not for a lower ballistic limit or probability alone."
     ),
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
@@ -156,7 +158,7 @@ def check(
     with runner.mistakes_in(junit, paths, force=force):
         scenarios = runner.read_each(paths, read)
         table = None if cases is None else read_offers(scenarios[0], cases, keep or (), sheet)
-    earlier = None if against is None else read_json(against)
+    earlier = None if against is None else read_json(against, NO_BASE)
     inputs = [*scenarios, against, cases]
     check_outputs((markdown, ()), (csv, CSV), (plot, PICTURE), junit=junit, inputs=inputs, force=force)
     offers: Sequence[Offer | None] = [None] * len(scenarios)

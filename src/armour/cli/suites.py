@@ -14,7 +14,6 @@ import armour
 from armour.cli import completion, options, runner
 from armour.cli.console import progress, say, show
 from armour.cli.runner import check_outputs
-from armour.errors import mistake
 from armour.files import suite_file
 from armour.reporting.table import Table, csv_text, grouped
 from armour.scenario.keys import changes_of
@@ -35,7 +34,7 @@ def validate(
 ) -> None:
     """Check the model against a suite of cases.
 
-    The exit code is 3 if a value lies outside its band, with --update a value that is not replaced; or if no case is
+    The exit code is 3 if a value lies outside its band (with --update, a value that is not replaced) or if no case is
     scored.
 
     Examples
@@ -57,14 +56,14 @@ def validate(
     with runner.mistakes_in(junit, [path], force=force):
         loaded = armour.load_suite(path, changes_of(changes or ()))
     check_outputs((markdown, ()), junit=junit, inputs=suites.suite_files(loaded), updated=updated, force=force)
-    chosen = loaded.only(only)
-    if update and not any(case.regression for case in chosen.cases):
-        message = "must be true for the suite, or a case or table without source, to be updated; other values stay"
-        raise mistake(chosen.file, "regression", message)
+    with runner.as_options("only", {"text": "--only"}):
+        chosen = loaded.only(only)
+    needs = "needs regression = true in the suite, or in a case or table that has no source; other values are kept"
+    runner.check_options(("--update", update and not any(case.regression for case in chosen.cases), needs))
 
     def updated_content(_path: Path) -> bytes | None:
         if judged.checks:
-            say(f"kept, as no regression values: {len(judged.checks)} of {len(result.checks)} expected values")
+            say(f"kept {len(judged.checks)} of {len(result.checks)} expected values, which are not regression values")
         updates = judging.updates_of(result)
         if not updates:
             say("every regression value is the computed one")
@@ -118,9 +117,8 @@ def figures(
     panels = grouped(paper.read_figures(path), attrgetter("name"))
     names = [*panels, *paper.PARITIES]
     chosen = [name for name in names if only in name]
-    if not chosen:
-        message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
-        raise mistake("figures", "--only", message)
+    message = f'must be part of a name, found "{only}"; there are {", ".join(names)}'
+    runner.check_options(("--only", not chosen, message))
     if os.path.isdir(folder):  # or else it is made with the first figure
         check_outputs(*((folder / f"{name}.{ending}", ()) for name in chosen for ending in ("csv", image)), force=force)
     # Write each figure as soon as it is computed, as all of them take a while.

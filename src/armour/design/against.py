@@ -2,16 +2,16 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, isclose
+from math import isclose
 from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from armour.errors import mistake
 
-NO_BASE = "must be what armour check --json printed, with this version or a later one"
+NO_BASE = "must be the output of armour check --json; one of an old version must be made again"
 # Values in place of numbers, for a part of a check that only the earlier or the later one has.
-THERE, MISSING = "there", "missing"
+PRESENT, MISSING = "present", "missing"
 
 
 class _Limit(BaseModel, allow_inf_nan=False):
@@ -59,7 +59,8 @@ class Moved:
     before, now : float, str or None
         Its values; None for no number.
     weaker : bool
-        Whether the requirement or the threat is weaker now or missing, or what the answer rests on has changed.
+        Whether the requirement or the threat is weaker now or missing, what the answer rests on has changed, or the
+        probability of stopping is not known any more.
     """
 
     scenario: str
@@ -85,20 +86,22 @@ def moved(earlier: Any, checks: Sequence[Mapping[str, Any]], file: str) -> Itera
         old, new = before.get(scenario), now.get(scenario)
         if old is None or new is None:
             yield _presence(scenario, "", "scenario", is_new=old is None)
-            continue
-        yield from _moved_threats(scenario, old.threats, new.threats)
-        yield from _moved_limits(scenario, old.requirements, new.requirements)
-        for part in sorted({*old.basis} | {*new.basis}):
-            if old.basis.get(part) != new.basis.get(part):
-                words = [THERE if part in each.basis else MISSING for each in (old, new)]
-                yield Moved(scenario, "", part, words[0], words[1] if words[0] != words[1] else "changed", weaker=True)
-        if old.verdict != new.verdict:
-            yield Moved(scenario, "", "verdict", old.verdict, new.verdict)
+        else:
+            yield from _moved_threats(scenario, old.threats, new.threats)
+            yield from _moved_limits(scenario, old.requirements, new.requirements)
+            if old.verdict != new.verdict:
+                yield Moved(scenario, "", "verdict", old.verdict, new.verdict)
+        if new is not None:
+            bases = {} if old is None else old.basis, new.basis
+            for part in sorted({*bases[0], *bases[1]}):
+                if bases[0].get(part) != bases[1].get(part):
+                    word, now_word = (PRESENT if part in basis else MISSING for basis in bases)
+                    yield Moved(scenario, "", part, word, "changed" if now_word == word else now_word, weaker=True)
 
 
 def _presence(scenario: str, threat: str, what: str, *, is_new: bool) -> Moved:
     """Return the difference that a scenario, a threat or a limit, named by `what`, is new or missing now."""
-    before, now = (MISSING, THERE) if is_new else (THERE, MISSING)
+    before, now = (MISSING, PRESENT) if is_new else (PRESENT, MISSING)
     return Moved(scenario, threat, what, before, now, weaker=not is_new)
 
 
@@ -131,12 +134,13 @@ def _take_match(threats: list[_Threat], threat: _Threat, *, exactly: bool) -> _T
 def _is_weaker(quantity: str, before: Any, now: Any) -> bool:
     """Return whether a change of one quantity makes the threat, or what is required against it, weaker.
 
-    Another projectile always counts as weaker, as nothing tells which of two is the stronger.
+    Another projectile always counts as weaker, as nothing tells which of two is the stronger, and so does a probability
+    that was known and is not any more.
     """
-    requirements = (-inf if value is None else value for value in (before, now))
     if quantity in ("velocity_m_s", "required_margin_m_s", "required_probability"):
-        earlier, later = requirements
-        return bool(later < earlier)
+        return now is None or (before is not None and bool(now < before))
+    if quantity == "probability_of_stopping":
+        return now is None
     return quantity == "projectile" or (quantity == "obliquity_deg" and bool(now > before))
 
 

@@ -174,8 +174,8 @@ class CheckResult(TableResult):
     whole_areal_density_kg_m2, whole_thickness_mm : float
         The same, including a back plate that exists already.
     basis : dict of str to str
-        Hash of each part of the scenario beside armour and threats that decides how far the answer is trusted, by its
-        key: own entries of the library with their tests, and settings of the model and its error.
+        Hash of each part of the scenario on which the answer rests, by its key, besides tile, plate, threats and what
+        is required: settings other than the defaults, layers, prices, and own entries of the library with their tests.
     """
 
     threats: tuple[CheckedThreat, ...]
@@ -219,17 +219,12 @@ class CheckResults(tuple[CheckResult, ...]):
 def _offer_row(result: CheckResult) -> dict[str, object]:
     """Return what a table of offers shows of one armour, by column; its labels come first."""
     threat, armour = deciding(result), result.question["scenario"].armour
-    row = {
-        "ceramic": armour.ceramic,
-        "ceramic_thickness_mm": armour.ceramic_thickness_mm,
-        "backing": armour.backing,
-        "backing_thickness_mm": armour.backing_thickness_mm,
+    found = ("threat", "ballistic_limit_m_s", "expected_limit_m_s", "probability_of_stopping")
+    row: dict[str, object] = {
+        **armour.model_dump(exclude={"layer"}),
         "areal_density_kg_m2": result.areal_density_kg_m2,
         "cost_per_m2": result.cost_per_m2,
-        "threat": threat.threat,
-        "ballistic_limit_m_s": threat.ballistic_limit_m_s,
-        "expected_limit_m_s": threat.expected_limit_m_s,
-        "probability_of_stopping": threat.probability_of_stopping,
+        **{key: getattr(threat, key) for key in found},
         "verdict": result.verdict,
         "far_from_tests": ", ".join(threat.far_from_tests),
     }

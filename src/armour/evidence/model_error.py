@@ -270,7 +270,9 @@ def _why_by_settings(scenario: Scenario) -> str:
     section = None if scenario.uncertainty is None else scenario.uncertainty.model
     if section is not None and section.is_bare:
         return BARE
-    settings = other_settings(scenario)
+    settings, arrest = other_settings(scenario), scenario.solver.arrest_velocity_m_s
+    if given_error(scenario) is not None:  # it may be that of any model, but no model stops what is still fast
+        settings = "" if arrest == Solver().arrest_velocity_m_s else f"solver.arrest_velocity_m_s = {arrest}"
     return f"the tests were not computed with {settings}" if settings else ""
 
 
@@ -281,7 +283,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
-    if scenario.excludes_error() or (error is None and (scenario.interlayers or _why_by_settings(scenario))):
+    if scenario.excludes_error() or _why_by_settings(scenario) or (error is None and scenario.interlayers):
         return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))

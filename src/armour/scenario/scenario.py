@@ -296,23 +296,25 @@ class Scenario(Section):
         return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
     def basis(self) -> dict[str, str]:
-        """Return hashes of what decides how far an answer is trusted, besides armour and threats, by key.
+        """Return hashes of what an answer rests on besides tile, plate, threats and what is required, by key.
 
-        These are settings of the model and its error, and own entries of the library, with their own tests.
+        These are settings other than the defaults, layers, prices, and own entries of the library with their own tests.
         """
-        design, parts = self.design or schema.DesignSection(), dict[str, Any]()
-        if self.model != schema.Model():
-            parts["model"] = self.model.model_dump(mode="json")
-        if self.uncertainty is not None:
-            parts["uncertainty"] = self.uncertainty.model_dump(mode="json")
-        if design.angles_as_at_normal_incidence:
-            parts["design.angles_as_at_normal_incidence"] = True
-        if design.scatter_percent is not None:
-            parts["design.scatter_percent"] = design.scatter_percent
+        settings, design = {"model", "solver", "ballistic_limit", "uncertainty"}, self.design or schema.DesignSection()
+        parts = self.model_dump(mode="json", include=settings, exclude_defaults=True)
+        for key in ("angles_as_at_normal_incidence", "existing", "scatter_percent"):
+            parts[f"design.{key}"] = getattr(design, key)
+        # A cost that is given as 0 is known, and one that is left out is not.
+        parts["armour.layer"] = [layer.model_dump(exclude={"name"}, exclude_unset=True) for layer in self.armour.layer]
+        for key, options in (("design.ceramic", design.ceramic), ("design.backing", design.backing)):
+            prices = [each for each in options if each.has_cost()]
+            parts[key] = [each.model_dump(exclude={"thickness_mm"}, exclude_unset=True) for each in prices]
         for kind, name in self.named_entries():
             if (entry := self.entry(kind, name)).file:
                 parts[keys.key_name(("library", kind, entry.name))] = entry.content()
-        return {key: sha256(json.dumps(part, sort_keys=True).encode()).hexdigest() for key, part in parts.items()}
+        return {
+            key: sha256(json.dumps(part, sort_keys=True).encode()).hexdigest() for key, part in parts.items() if part
+        }
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and self.digest(whole_library=True) == other.digest(whole_library=True)

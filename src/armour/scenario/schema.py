@@ -216,7 +216,7 @@ class ThicknessSteps(Section):
     def _countable(self) -> Self:
         """Refuse a range of too many values."""
         if self.count() > MAX_VALUES:
-            raise ValueError(f"must contain at most {MAX_VALUES} values, found {self.count():.7g}; widen the step")
+            raise ValueError(f"must contain at most {MAX_VALUES:,} values, found {self.count():,.7g}; widen the step")
         return self
 
     def count(self) -> int:

@@ -164,7 +164,7 @@ class Suite:
 
         cases = tuple(filter(is_chosen, self.cases))
         if not cases:
-            raise mistake(self.file, "", f'must have a case whose name contains "{text}", found none')
+            raise mistake("only", "text", f'must be part of the name of a case, found "{text}"')
         names = {case.group for case in cases}
         # Bands of the mean and RMS of a table with a file are for all its rows, so drop them if some are left out.
         partial = {case.group for case in self.cases if case.cells and not is_chosen(case)}
@@ -329,15 +329,9 @@ def _cases_of_file(common: Case, table: TableSection, folder: Path, changes: Map
     told = [f"{counted(bounds, 'bound')} on {table.quantity} left out"] if bounds else []
     warnings = tuple(f"{tests.file}: {text}" for text in (*told, *(tests.read.warnings if tests.read else ())))
     scenarios = {int(place): group.scenario for group in tests.groups for place in group.where}
+    warned = replace(common, warnings=warnings)
     cases = [
-        replace(
-            common,
-            name=name,
-            scenario=scenarios[place],
-            expected=float(cells[table.quantity]),
-            cells=cells,
-            warnings=warnings,
-        )
+        replace(warned, name=name, scenario=scenarios[place], expected=float(cells[table.quantity]), cells=cells)
         for place, (name, cells) in enumerate(zip(tests.names, tests.cells, strict=True))
         if table.quantity in cells and meets(cells, table.where)
     ]

@@ -368,7 +368,7 @@ def _judged_parts(result: CheckResult) -> Iterator[tuple[str, Verdict, str]]:
 def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
     """Tabulate what differs from an earlier check, in the file `base`, and count what of it is weaker."""
     if not moves:
-        return [f"nothing has moved since {base}"]
+        return [f"nothing has changed since {base}"]
     table = Table.of(
         moves,
         (Column("scenario", prose=True), lambda move: move.scenario),
@@ -377,28 +377,27 @@ def tables_of_moved(moves: Sequence[Moved], base: str) -> list[Table | str]:
         (Column("before"), lambda move: _moved_value(move.quantity, move.before)),
         (Column("now"), lambda move: _moved_value(move.quantity, move.now)),
         (Column("so"), lambda move: "weaker" * move.weaker),
-        title=f"moved since {base}",
+        title=f"changed since {base}",
     )
     weaker = sum(move.weaker for move in moves)
-    verdict = VerdictLine(f"weaker than in {base}: {weaker} of {len(moves)} that moved", good=False)
+    verdict = VerdictLine(f"weaker than in {base}: {weaker} of {len(moves)} changes", good=False)
     return [table, *[verdict] * bool(weaker)]
 
 
 def moved_junit(moves: Sequence[Moved], base: str, origin: Mapping[str, str]) -> Element:
     """Return the JUnit element of a comparison with an earlier check: a failure for each part that is weaker."""
     cases = []
-    for move in moves:
-        if move.weaker:
-            title = " ".join(filter(None, (move.threat, quantity_words(move.quantity))))
-            before, now = (_moved_value(move.quantity, value) for value in (move.before, move.now))
-            words = f"weaker: {before} before, {now} now"
-            cases.append(TestCase(move.scenario, title, "failure", words, file=move.scenario))
+    for move in filter(attrgetter("weaker"), moves):
+        title = " ".join(filter(None, (move.threat, quantity_words(move.quantity))))
+        before, now = (_moved_value(move.quantity, value) for value in (move.before, move.now))
+        words = f"weaker: {before} before, {now} now"
+        cases.append(TestCase(move.scenario, title, "failure", words, file=move.scenario))
     return junit_suite(f"against {base}", cases or [TestCase(base, "nothing is weaker", "", "")], 0.0, origin)
 
 
 def quantity_words(quantity: str) -> str:
-    """Return the label and unit of a quantity; a key with a dot, of a section or an entry of the library, as it is."""
-    return quantity if "." in quantity else Column.of(quantity).heading
+    """Return the label and unit of a quantity; the key of a section, or one in it or in the library, as it is."""
+    return quantity if "." in quantity or quantity in Scenario.model_fields else Column.of(quantity).heading
 
 
 def _moved_value(quantity: str, value: float | str | None) -> str:

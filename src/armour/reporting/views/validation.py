@@ -145,7 +145,7 @@ def overview_table(result: SuiteResult) -> Table:
 def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     """Return the verdict on a suite, an overview and its failures; with `every_row` in the question, all tables.
 
-    Cases whose expected value is not filled in yet are always named.
+    Cases whose expected value is not filled in yet are always counted.
     """
     every_row, checks = result.question.get("every_row"), [check for check in result.checks if not check.in_group]
     unscored = [] if every_row else [c for c in checks if c.status == "not scored" and c.case.expected is not None]
@@ -154,9 +154,14 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     shown += suite_tables(result) if every_row else [overview_table(result)]
     if not every_row:
         shown += (table for name, checks in check_groups(result).items() for table in failed_table(name, checks))
-    notes = note_rows([check for check in checks if check.status != "within" and check not in unscored])
-    notes += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
-    return [*shown, *([""] if notes else []), *(f"{name}: {note}" for name, note in notes)]
+    plain = ("within", "no expected value")
+    rows = note_rows([check for check in checks if check.status not in plain and check not in unscored])
+    rows += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
+    notes = [f"{name}: {note}" for name, note in rows]
+    if unfilled := result.count("no expected value"):
+        has, it = ("has", "it") if unfilled == 1 else ("have", "them")
+        notes.append(f"{counted(unfilled, 'case')} {has} no expected value yet; --update fills {it} in")
+    return [*shown, *([""] if notes else []), *notes]
 
 
 def update_table(updates: Sequence[Check]) -> Table:
