@@ -51,11 +51,24 @@ def test_a_constant_and_a_module_that_is_imported_again_are_refused(monkeypatch:
 
 def test_wrong_equations_are_all_named():
     wrong: Any = 1.0
-    with pytest.raises(InputError) as caught, armour.equations(crack_velocty=abs, cross_section=wrong, sqrt=abs):
+    functions: dict[str, Any] = {"erosion_rate": lambda U, V: V - U, "crack_velocity": lambda Ec, _rho_c, k=2.0: k * Ec}
+    wrong_ones = armour.equations(crack_velocty=abs, cross_section=wrong, sqrt=abs, **functions)
+    with pytest.raises(InputError) as caught, wrong_ones:
         pass
     names = [problem.key for problem in caught.value.problems]
-    assert names == ["crack_velocty", "cross_section", "sqrt"]
+    assert names == ["crack_velocty", "cross_section", "sqrt", "erosion_rate"]
     assert 'did you mean "crack_velocity"?' in str(caught.value)
+    assert "erosion_rate: must be a function of V, U, in this order, found U, V" in str(caught.value)
+
+
+def test_a_function_calls_the_one_in_whose_place_it_is():
+    scenario, original = armour.load_scenario("wilkins"), equations.crack_velocity
+    halved = [lambda Ec, rho_c: 0.5 * original(Ec, rho_c), lambda Ec, rho_c: 0.5 * equations.crack_velocity(Ec, rho_c)]
+    limits = []
+    for function in halved:
+        with armour.equations(crack_velocity=function):
+            limits.append(armour.ballistic_limit(scenario))
+    assert limits[0] == limits[1]
 
 
 def test_equations_are_as_before_behind_the_context():

@@ -20,7 +20,7 @@ from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.model_error import ModelError, error_of, other_settings, scatter_of
-from armour.evidence.tests import is_untested, materials_of, scenario_warnings
+from armour.evidence.tests import far_from_tests, is_untested, materials_of, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -176,6 +176,8 @@ class LimitResult(Result):
         Velocity at which the armour stops a shot with a probability of 50 %, given this error, m/s.
     reason : str
         Reason why the error is not known; empty if it is.
+    far_from_tests : tuple of str
+        What of the armour or the threat is far from the tests.
     """
 
     ballistic_limit_m_s: float
@@ -192,6 +194,7 @@ class LimitResult(Result):
     expected_limit_m_s: float | None = None
     whole_areal_density_kg_m2: float = 0.0
     reason: str = ""
+    far_from_tests: tuple[str, ...] = ()
 
 
 @checked
@@ -244,6 +247,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         interval_m_s=None if error is None else error.interval(limit),
         expected_limit_m_s=None if error is None else error.median(limit),
         reason="" if error is not None else row.why_error_unknown(),
+        far_from_tests=tuple(map(str, far_from_tests(scenario, row.armours))),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
@@ -368,6 +372,8 @@ class ConfidenceResult(Result):
     probability_v50_exceeds_velocity : float or None
         Probability that the ballistic limit of the armour, V50, exceeds the impact velocity: without the scatter of
         shots; None if this is not known.
+    far_from_tests : tuple of str
+        What of the armour or the threat is far from the tests.
     """
 
     probability_of_stopping: float | None
@@ -380,6 +386,7 @@ class ConfidenceResult(Result):
     probability_at_normal_incidence: float | None = None
     flow_stress: NeededFlowStress | None = None
     probability_v50_exceeds_velocity: float | None = None
+    far_from_tests: tuple[str, ...] = ()
 
 
 @checked
@@ -402,12 +409,12 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     """
     row, flow_stress = row_of(scenario), None
     result = confidence_in(row, on_progress)
-    warnings = scenario_warnings(scenario, row.armours, said=True)
+    notes = (*scenario_warnings(scenario, row.armours, said=True), *scenario.unused_distributions())
     if result.probability_of_stopping is None:
         required = scenario.design.probability_of_stopping if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
-    result = replace(result, notes=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
-    return result.of(scenario=scenario)
+    far = tuple(map(str, far_from_tests(scenario, row.armours)))
+    return replace(result, notes=notes, flow_stress=flow_stress, far_from_tests=far).of(scenario=scenario)
 
 
 def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:

@@ -55,7 +55,8 @@ def simulate(
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
     notes = tuple(dict.fromkeys((*result.notes, *confidence.notes)))
-    extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
+    warnings = [*dict.fromkeys((*result.warnings, *confidence.warnings))]
+    extra_data = {"warnings": warnings, "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
     files: Files = {history: lambda _: rows_csv(result.history or ())}
     answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
