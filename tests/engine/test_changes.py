@@ -123,6 +123,7 @@ def test_results_name_changed_equations():
     with armour.equations(crack_velocity=lambda _Ec, _rho_c: 1000.0):
         for function in (armour.simulate, armour.ballistic_limit, armour.confidence, armour.check):
             assert words in function(scenario).warnings
-        [warning] = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]}).warnings
-        assert warning == f"{words}; this concerns 2 of 2 rows"
+        swept = armour.sweep(scenario, {"armour.ceramic_thickness_mm": [6.0, 7.0]})
+        assert swept.warnings == (f"{words}; this concerns 2 of 2 rows",)
+        assert words in armour.validate(armour.load_suite("paper").only("5.2 GPa")).warnings
         assert words in tables_of_check(armour.check(scenario))

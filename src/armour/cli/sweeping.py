@@ -3,7 +3,6 @@
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from armour.errors import counted, mistake
 from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows, tables_of_sweep
 from armour.scenario.scenario import Scenario
 from armour.sweeps.cases import Grid, SweepCases, axis_of
-from armour.sweeps.sweep import Effort, subject_of, sweep_in_memory, write_sweep
+from armour.sweeps.sweep import Effort, result_of, sweep_in_memory, write_sweep
 from armour.sweeps.tables import read_table
 
 # Quantity of a table by default, and those shown without a table.
@@ -81,14 +80,8 @@ def write_and_show(
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     runner.show_answer({"rows": source.count, "output": str(output)}, shown, scenario, as_json=as_json)
-
-    def figure() -> Any:
-        from armour.reporting.pictures import drawing, sweeps
-
-        draw = partial(sweeps.draw_columns, read_table(output), source.keys, quantities[0], scenario)
-        return drawing.drawn(draw, drawing.Sheet(), subject_of(scenario, source, quantities)).figure
-
-    runner.write({plot: runner.picture(figure, scenario)})
+    result = result_of(scenario, source, quantities, (), output=output)
+    runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)})
 
 
 def show_rows(

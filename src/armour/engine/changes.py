@@ -37,8 +37,8 @@ def equations(**changed: Callable[..., float]) -> Iterator[None]:
     Raises
     ------
     InputError
-        If a name is none of an equation, or a value is no function of its arguments.  Within the context: if a function returns no
-        finite number.
+        If a name is none of an equation, or a value is no function of its arguments.  Within the context: if a function
+        returns no finite number.
 
     Examples
     --------

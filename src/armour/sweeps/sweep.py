@@ -26,6 +26,7 @@ from armour.design.check import evaluated
 from armour.design.requirements import VERDICTS
 from armour.engine.changes import changed_names
 from armour.errors import InputError, Note, Problem, choices, counted, duration, mistake, refuse
+from armour.evidence.core_digest import changed_equations
 from armour.files import finite, reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
@@ -208,7 +209,7 @@ def sweep(
         on_chunk=lambda rows, _stored: on_progress(rows, source.count),
         tell=lambda line: warnings.append(line.removeprefix("warning: ")),
     )
-    return _result(scenario, source, names, warnings, output=output)
+    return result_of(scenario, source, names, warnings, output=output)
 
 
 def sweep_in_memory(
@@ -220,8 +221,8 @@ def sweep_in_memory(
     check(scenario, source, quantities)
     check_rows(scenario, source)
     columns, row_counts = chunk_of(scenario, source.rows(places := np.arange(source.count)), quantities, threads)
-    warnings = [*general_warnings(scenario, quantities), *row_warnings(row_counts, source.count)]
-    return _result(scenario, source, quantities, [*_omissions(source), *warnings], {**source.labels(places), **columns})
+    warnings = [*_omissions(source), *general_warnings(scenario, quantities), *row_warnings(row_counts, source.count)]
+    return result_of(scenario, source, quantities, warnings, {**source.labels(places), **columns})
 
 
 def _omissions(source: Grid | SweepCases) -> list[str]:
@@ -229,7 +230,7 @@ def _omissions(source: Grid | SweepCases) -> list[str]:
     return [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
 
 
-def _result(
+def result_of(
     scenario: Scenario,
     source: Grid | SweepCases,
     quantities: Sequence[str],
@@ -240,7 +241,7 @@ def _result(
     """Return the result of a sweep, whose columns, by name, are in memory or in the file `output`."""
     notes = tuple(map(Note, warnings))
     result = SweepResult(scenario, source.keys, tuple(quantities), source.count, output, notes, columns)
-    return result.of(subject_of(scenario, source, quantities), scenario=scenario)
+    return result.of(subject_of(scenario, source, quantities), scenario=scenario, changed=changed_equations())
 
 
 def write_sweep(
