@@ -242,7 +242,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        notes=(*warnings, *scenario.unused_distributions()),
+        notes=(*warnings, *(scenario.unused_distributions() if error else ())),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         expected_limit_m_s=None if error is None else error.median(limit),
@@ -265,7 +265,8 @@ def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
 
 def not_monotonic(limit: LimitResult) -> tuple[Note, ...]:
     """Return a warning, in a tuple, if the outcome changes again above the ballistic limit; otherwise nothing."""
-    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {_crossings_in_words(limit.crossings)}"),)
+    changes = ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in limit.crossings)
+    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {changes}"),)
 
 
 def _outcomes_at(row: Variants, velocities: list[float]) -> Any:
@@ -339,11 +340,6 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
     return f"no ballistic limit: {perforating}; lower ballistic_limit.velocity_min_m_s"
 
 
-def _crossings_in_words(crossings: tuple[Crossing, ...]) -> str:
-    """Return the changes in words, such as "perforated above 812.50 m/s"."""
-    return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
-
-
 @dataclass(frozen=True, repr=False)
 class ConfidenceResult(Result):
     """Probability that an armour stops its threat.
@@ -409,11 +405,12 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     """
     row, flow_stress = row_of(scenario), None
     result = confidence_in(row, on_progress)
-    notes = (*scenario_warnings(scenario, row.armours, said=True), *scenario.unused_distributions())
+    exact = () if result.probability_of_stopping is None else scenario.unused_distributions()
     if result.probability_of_stopping is None:
         required = scenario.design.probability_of_stopping if scenario.design else None
         flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
     far = tuple(map(str, far_from_tests(scenario, row.armours)))
+    notes = (*scenario_warnings(scenario, row.armours, said=True), *exact)
     return replace(result, notes=notes, flow_stress=flow_stress, far_from_tests=far).of(scenario=scenario)
 
 

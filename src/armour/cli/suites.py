@@ -29,7 +29,7 @@ def validate(
     update: bool = options.flag("Replace the suite's regression values with the computed ones.", "--update"),
     verbose: bool = options.flag("Show every case, and why some are not scored.", "--verbose", "-v"),
     markdown: Path | None = options.file("Write the result as Markdown."),
-    junit: Path | None = options.file("Write the result as JUnit XML; such a file is replaced."),
+    junit: Path | None = options.JUNIT,
     force: bool = options.FORCE,
     as_json: bool = options.AS_JSON,
 ) -> None:

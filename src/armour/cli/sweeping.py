@@ -13,7 +13,7 @@ from armour.cli.console import progress, say
 from armour.errors import counted, mistake
 from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows, tables_of_sweep
 from armour.scenario.scenario import Scenario
-from armour.sweeps.cases import Grid, SweepCases, axis_of
+from armour.sweeps.cases import Grid, SweepCases
 from armour.sweeps.sweep import Effort, result_of, sweep_in_memory, write_sweep
 from armour.sweeps.tables import read_table
 
@@ -30,15 +30,6 @@ def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = (
     if cases.read:
         say(f"read {file}: {cases.read}")
     return cases
-
-
-def grid_of(texts: Sequence[str]) -> Grid:
-    """Return the grid of the axes in `texts`, such as "key=4:12:1", and warn if a step misses the end of a range."""
-    axes = tuple(map(axis_of, texts))
-    for axis in axes:
-        if axis.omission:
-            say(f"warning: --over {axis.key}: {axis.omission}")
-    return Grid(axes)
 
 
 def write_and_show(
@@ -70,7 +61,7 @@ def write_and_show(
 
         def approve(effort: Effort) -> None:
             if effort.is_large and not yes:
-                raise mistake("sweep", "", f"{effort.words}; --yes to go on")
+                raise mistake("sweep", "", f"{effort.words}; add --yes to go on")
             if effort.seconds > ANNOUNCED_S:
                 say(effort.words)
 

@@ -85,21 +85,19 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
         elif not callable(value):
             yield Problem("equations", name, f"must be a function, found {value!r}")
-        elif (found := _needed(value)) not in (None, needed := _needed(getattr(model_equations, name))):
-            message = (
-                f"must be a function of {', '.join(needed or ())}, in this order, found {', '.join(found or ['none'])}"
-            )
-            yield Problem("equations", name, message)
+        elif (found := _needed(value)) not in ("", needed := _needed(getattr(model_equations, name))):
+            yield Problem("equations", name, f"must be a function of {needed}, in this order, found {found}")
 
 
-def _needed(function: Callable[..., Any]) -> list[str] | None:
-    """Return the names of the arguments that a function needs; None if it takes any, or does not tell."""
+def _needed(function: Callable[..., Any]) -> str:
+    """Return the names of the arguments that a function needs, as "V, U"; "" if it takes any, or does not tell."""
     with suppress(ValueError):
         each = signature(function).parameters.values()
         if all(parameter.kind != parameter.VAR_POSITIONAL for parameter in each):
             # An underscore before a name says that it is not used.
-            return [parameter.name.lstrip("_") for parameter in each if parameter.default is parameter.empty]
-    return None
+            needed = (parameter.name.lstrip("_") for parameter in each if parameter.default is parameter.empty)
+            return ", ".join(needed) or "none"
+    return ""
 
 
 def _set(module: ModuleType, values: dict[str, Any]) -> None:

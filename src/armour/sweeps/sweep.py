@@ -199,7 +199,7 @@ def sweep(
         result = sweep_in_memory(scenario, source, names, threads, MAX_ROWS)
         on_progress(source.count, source.count)
         return result
-    output, warnings = Path(output).absolute(), _omissions(source)
+    output, warnings = Path(output).absolute(), list[str]()
     write_sweep(
         scenario,
         source,
@@ -221,13 +221,8 @@ def sweep_in_memory(
     check(scenario, source, quantities)
     check_rows(scenario, source)
     columns, row_counts = chunk_of(scenario, source.rows(places := np.arange(source.count)), quantities, threads)
-    warnings = [*_omissions(source), *general_warnings(scenario, quantities), *row_warnings(row_counts, source.count)]
+    warnings = [*general_warnings(scenario, source, quantities), *row_warnings(row_counts, source.count)]
     return result_of(scenario, source, quantities, warnings, {**source.labels(places), **columns})
-
-
-def _omissions(source: Grid | SweepCases) -> list[str]:
-    """Return warnings of ends of ranges that are left out, as they are not a whole number of steps away."""
-    return [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
 
 
 def result_of(
@@ -269,7 +264,7 @@ def write_sweep(
     an older file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
-    for line in general_warnings(scenario, quantities):
+    for line in general_warnings(scenario, source, quantities):
         tell(f"warning: {line}")
     threads = threads if workers is None else 1
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
@@ -368,14 +363,14 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
     )
 
 
-def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of unused threats, and of quantities that need an excluded model error."""
+def general_warnings(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> list[str]:
+    """Return warnings of omitted ends of ranges, of unused threats, and of quantities without the model error."""
     of_impact = [name for name in quantities if name != VERDICT]
-    excluded = of_impact if scenario.excludes_error() else ()
-    without_value = [name for name in excluded if "uncertainty.model" in QUANTITIES[name].reads]
+    empty = [name for name in of_impact if scenario.excludes_error() and "uncertainty.model" in QUANTITIES[name].reads]
     return [
+        *(f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission),
         *(map(str, scenario.unused_threats()) if {*reads_of(of_impact)} - {*OF_WEIGHT} else ()),
-        *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
+        *(f"{name}: has no value if uncertainty.model.included is false" for name in empty),
     ]
 
 
@@ -409,7 +404,7 @@ def effort_of(
         if sample and (count < number or row_s * count > SAMPLE_S):
             break
     seconds = row_s * source.count / (workers.number if workers else 1)
-    words = f"{counted(source.count, 'row')}; about {duration(seconds)}"
+    words = f"{counted(source.count, 'row')} take{'s' * (source.count == 1)} about {duration(seconds)}"
     return Effort(row_s, seconds, words, is_large=seconds > LONG_S or source.count > MANY_ROWS)
 
 

@@ -59,12 +59,8 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     facts["left"] = "; ".join(left)
     caveats = [caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown]
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
-    shown += [
-        Table.of_facts(facts),
-        *phrases.far_line(result.far_from_tests) * (not unknown),
-        *caveats,
-        stage_table(result),
-    ]
+    far = [] if unknown else phrases.far_line(result.far_from_tests)
+    shown += [Table.of_facts(facts), *far, *caveats, stage_table(result)]
     if not result.question.get("every_row"):
         return shown
     depth = f"{result.penetration_depth_mm:.1f} mm below the front face"
@@ -167,11 +163,8 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     limit = f"{result.ballistic_limit_m_s:.0f} m/s by the model" if is_unknown else ""
     tests = "" if is_unknown else tests_words(result)
     shown.append(Table.of_facts({"limit": limit, "armour": armour_words(result), "tests": tests}))
-    shown += [
-        *phrases.far_line(result.far_from_tests) * (not is_unknown),
-        *phrases.said_of(result.notes),
-        *crossings(result),
-    ]
+    far = [] if is_unknown else phrases.far_line(result.far_from_tests)
+    shown += [*far, *phrases.said_of(result.notes), *crossings(result)]
     if result.question.get("every_row"):
         low, high = result.scanned_range_m_s
         below, above = result.bracket_m_s
