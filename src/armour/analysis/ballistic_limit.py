@@ -231,7 +231,6 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
     error = model_error(row, limit)
-    warnings = scenario_warnings(scenario, row.armours, said=True)
     return LimitResult(
         ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
@@ -242,7 +241,7 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        notes=(*warnings, *(scenario.unused_distributions() if error else ())),
+        notes=(*scenario_warnings(scenario, row.armours, said=True), *scenario.unused_distributions() * bool(error)),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         expected_limit_m_s=None if error is None else error.median(limit),
@@ -403,14 +402,13 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     ConfidenceResult
         With the reason if no ballistic limit is found or a run does not end within the maximum number of steps.
     """
-    row, flow_stress = row_of(scenario), None
+    row = row_of(scenario)
     result = confidence_in(row, on_progress)
-    exact = () if result.probability_of_stopping is None else scenario.unused_distributions()
-    if result.probability_of_stopping is None:
-        required = scenario.design.probability_of_stopping if scenario.design else None
-        flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
+    is_known = result.probability_of_stopping is not None
+    required = scenario.design.probability_of_stopping if scenario.design else None
+    flow_stress = None if is_known else needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
     far = tuple(map(str, far_from_tests(scenario, row.armours)))
-    notes = (*scenario_warnings(scenario, row.armours, said=True), *exact)
+    notes = (*scenario_warnings(scenario, row.armours, said=True), *scenario.unused_distributions() * is_known)
     return replace(result, notes=notes, flow_stress=flow_stress, far_from_tests=far).of(scenario=scenario)
 
 

@@ -69,8 +69,7 @@ def check_outputs(
         # A stream or a pipe, to which a table may be written, has no ending.
         if output is not None and endings and (endings != CSV or isfile(output) or not exists(output)):
             problems += wrong_ending(output, endings)
-    paths = new if updated is None else [*new, updated]
-    problems += (problem for path in paths for problem in unwritable(path))
+    problems += (problem for path in [*new, *([updated] if updated else [])] for problem in unwritable(path))
     read = [file for each in inputs if each for file in (files_of(each) if isinstance(each, Scenario) else [each])]
     sources = [0 if str(file) in ("-", STANDARD_INPUT) else file for file in read]  # its descriptor
     for path in filter(isfile, new):

@@ -266,8 +266,7 @@ def optimise(
     from armour.reporting.views.design import design_csv
 
     loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability, by_model=by_model)
-    outputs = (page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE)
-    check_outputs(*outputs, inputs=[loaded], force=force)
+    check_outputs((page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE), inputs=[loaded], force=force)
     with progress("impacts") as count, runner.as_options("optimise"):
         result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map_page(result, loaded, changes or (), count)

@@ -97,7 +97,7 @@ def validate(
 def figures(
     folder: Path = options.argument("DIR", "Folder to write to."),
     only: str = options.text("Draw only figures whose name contains the text.", metavar="TEXT", default=""),
-    image: Literal["png", "svg"] = typer.Option("png", "--format", help="Format of the figures."),
+    image: Literal["png", "svg"] = typer.Option("png", "--format", metavar="FORMAT", help="Format, png or svg."),
     force: bool = options.FORCE,
 ) -> None:
     """Draw the paper's figures.

@@ -27,8 +27,7 @@ ANNOUNCED_S = 10.0
 def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = ()) -> SweepCases:
     """Open a table of cases, and say how it was read if that was not obvious; `sheet` is that of a workbook."""
     cases = SweepCases(file, sheet, keep)
-    if cases.read:
-        say(f"read {file}: {cases.read}")
+    say(*[f"read {file}: {cases.read}"] * bool(cases.read))
     return cases
 
 

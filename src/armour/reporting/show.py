@@ -72,8 +72,7 @@ def in_html(result: Result) -> str | None:
 
     if (tables := by_result(tables_of, result)) is None:
         return None
-    warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return rendered("notebook.html", tables=[*tables(result), *warnings])
+    return rendered("notebook.html", tables=[*tables(result), *map("warning: {}".format, result.warnings)])
 
 
 @usual_errors()

@@ -33,8 +33,7 @@ def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
     notes += [f"Computed with {changed}."] if (changed := result.question.get("changed")) else []
     is_far = far_of(scenario, {key: table[key] for key in keys}) if len(keys) == 1 else np.zeros(len(values), bool)
-    if far := np.count_nonzero(is_far):
-        notes.append(f"{far} of {len(values)}, hollow and dashed, are far from the tests.")
+    notes += [f"{far} of {len(values)}, hollow and dashed, are far from the tests."] if (far := is_far.sum()) else []
     picture = sheet.panels(title, 1.2 * drawing.PANEL, note=" ".join(notes))
     [axes] = picture.axes
     if len(keys) == 2:
