@@ -105,8 +105,8 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
     assert result.stderr.splitlines() == ["1 row takes about 1 second", "wrote t.csv: 1 row"]
     for output in ((), ("-o", "u.csv", "--yes")):
-        result = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6:7:0.7", *output)
-        assert result.stderr.count("the last value is 6.7, ") == 1
+        words = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6:7:0.7", *output).stderr
+        assert words.count("the last value is 6.7, ") == 1
 
 
 KILLED = """

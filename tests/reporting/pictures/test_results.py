@@ -399,8 +399,7 @@ def table(*keys: str) -> dict[str, Any]:
 
 def sweep_picture(columns: dict[str, Any], *keys: str) -> Picture:
     result = SweepResult(scenario(), keys, ("ballistic_limit_m_s",), len(columns[keys[0]]), None, (), columns)
-    result.of(changed="crack_velocity changed")
-    return drawn(lambda sheet: sweeps.draw_sweep(result, sheet), Sheet())
+    return drawn(lambda sheet: sweeps.draw_sweep(result.of(changed="crack_velocity changed"), sheet), Sheet())
 
 
 def test_a_sweep_over_one_key():
