@@ -51,7 +51,7 @@ def commands() -> str:
         parts += [
             f"## `armour {name}`",
             words,
-            _table(("option", "meaning"), rows),
+            *[_table(("option", "meaning"), rows)] * bool(rows),
             "\n".join(["```sh", *examples, "```"]),
         ]
     return "\n\n".join(parts)
@@ -129,7 +129,7 @@ def _kind(content: Mapping[str, Any], places: Mapping[str, str]) -> str:
         inner = content.get("additionalProperties")
         return f"by name: {_kind(inner, places)}" if isinstance(inner, dict) else "table"
     signs = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
-    bounds = [f"{sign} {content[word]:g}" for word, sign in signs.items() if word in content]
+    bounds = [f"{sign} {content[word]:.7g}" for word, sign in signs.items() if word in content]
     kind = {"string": "text", "boolean": "`true`, `false`", "integer": "whole number"}.get(content["type"], "number")
     return ", ".join([kind, *bounds])
 

@@ -182,15 +182,6 @@ def duration(seconds: float) -> str:
     return f"{seconds / 86400:,.0f} days"
 
 
-def in_one_line(notes: Sequence[Note], where: str) -> list[str]:
-    """Return a list of one line, the first warning that the answer itself does not contain; [] if there is none.
-
-    If there are more warnings, the line ends with `where`, words for where all of them are.
-    """
-    told = [note for note in notes if not note.said]
-    return [f"{told[0]}{f'; more {where}' * (len(notes) > 1)}"] if told else []
-
-
 def suggestion(word: str, names: Sequence[str]) -> str:
     """Return a hint at the one of `names` closest to a wrong word, as '; did you mean "AD85"?'; "" if none is close."""
     if len(names) > MAX_WORDS:

@@ -87,6 +87,10 @@ def test_plain_data_is_json():
     untested = armour.load_scenario("wilkins", {"armour.ceramic": "SiC"})
     [threat] = json.loads(json.dumps(armour.check(untested).to_dict(), allow_nan=False))["threats"]
     assert threat["far_from_tests"] == ["SiC (no test)"]
+    oblique = untested.replaced({"impact.obliquity_deg": 45.0})
+    for function in (armour.simulate, armour.ballistic_limit, armour.confidence):
+        assert function(untested).to_dict()["far_from_tests"] == ["SiC (no test)"]
+        assert function(oblique).warnings == oblique.notes != ()
     limit = armour.ballistic_limit(untested)
     assert limit.to_dict()["reason"] == limit.reason == armour.confidence(untested).reason != ""
     assert armour.ballistic_limit(armour.load_scenario("wilkins")).reason == ""

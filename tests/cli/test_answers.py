@@ -53,6 +53,8 @@ def test_warnings_in_json_are_those_printed(cli):
     assert len(data["warnings"]) == 1
     whole = cli("simulate", WILKINS, "--set", "armour.ceramic=SiC", "--set", "armour.backing=Ti-6Al-4V", "-v").stderr
     assert whole.splitlines() == [f"warning: {WILKINS}: {warning}" for warning in data["warnings"]]
+    caveat = cli("check", WILKINS, "--set", "projectile.penetrator_mass_g=40", "-v")
+    assert (caveat.stdout + caveat.stderr).count("a long rod, ") == 1
 
 
 def test_a_saved_design_is_checked_as_it_was_found(cli, folder: Path):

@@ -111,9 +111,7 @@ def test_init_names_what_there_is(cli, folder: Path):
 def test_a_folder_of_the_name_of_a_suite_is_none(cli, folder: Path):
     (folder / "paper").mkdir()
     assert "published values are not replaced" in cli.fails(2, "validate", "paper", "--update")[0]
-    assert cli.fails(2, "report", "paper", "--as-is") == [
-        "command line: --as-is: must be given with a scenario, found a suite"
-    ]
+    assert cli.fails(2, "report", "paper", "--as-is") == ["command line: --as-is: needs a scenario, found a suite"]
 
 
 @pytest.mark.parametrize(

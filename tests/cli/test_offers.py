@@ -71,11 +71,11 @@ def test_mistakes_of_every_offer_are_told(cli, folder: Path):
 @pytest.mark.parametrize(
     ("words", "found"),
     [
-        (("wilkins", "--keep", "offer"), "--keep: must be given with --cases"),
-        (("wilkins", "--sheet", "x"), "--sheet: must be given with --cases"),
+        (("wilkins", "--keep", "offer"), "--keep: needs --cases"),
+        (("wilkins", "--sheet", "x"), "--sheet: needs --cases"),
         (("wilkins", "oblique", "--cases", "offers.csv"), "--cases: must be given with one scenario, not with several"),
-        (("wilkins", "--cases", "offers.csv", "--plot", "x.svg"), "--cases: must be given without --plot"),
-        (("wilkins", "--cases", "offers.csv", "--against", "a.json"), "--cases: must be given without --plot and --a"),
+        (("wilkins", "--cases", "offers.csv", "--plot", "x.svg"), "--cases: cannot be combined with --plot"),
+        (("wilkins", "--cases", "offers.csv", "--against", "a.json"), "--cases: cannot be combined with --plot or --a"),
     ],
 )
 @pytest.mark.usefixtures("offers")

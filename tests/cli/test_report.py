@@ -54,9 +54,9 @@ def test_the_armour_as_it_is(cli, folder: Path):
     assert "author: A. Smith, program version: armour " in page
     assert "--as-is -o r.md --set 'author=A. Smith'" in page
     [line] = cli.fails(2, "report", SCENARIOS.parent / "suites" / "paper.toml", "--as-is")
-    assert line == "command line: --as-is: must be given with a scenario, found a suite"
+    assert line == "command line: --as-is: needs a scenario, found a suite"
     [line] = cli.fails(2, "report", "paper", "--probability", "0.9")
-    assert line == "command line: --probability: must be given with a scenario, found a suite"
+    assert line == "command line: --probability: needs a scenario, found a suite"
     [line] = cli.fails(2, "report", PANEL, "--as-is", "--set", "design.minimise=thickness_mm")
     assert "--set design.minimise: " in line
 

@@ -64,7 +64,7 @@ def test_without_a_file_json_has_the_columns(cli):
     ("words", "found"),
     [
         (("--over", f"{CERAMIC}=6:8:0.001"), "--output: must be given for more than 1,000 rows, found 2,001"),
-        ((*OVER, "--scheduler", "local"), "--scheduler: must be given with -o"),
+        ((*OVER, "--scheduler", "local"), "--scheduler: needs -o"),
     ],
 )
 def test_what_needs_a_file(cli, words: tuple[str, ...], found: str):
@@ -97,13 +97,16 @@ def test_a_large_sweep_asks_before_it_starts(cli, folder: Path, monkeypatch: pyt
         "projectile.flow_stress_GPa=1,2,3,4",
     )
     [line] = cli.fails(2, "sweep", WILKINS, *over, "-o", "t.csv")
-    assert re.match(r"sweep: 10,000,200,000 rows; about [\d,]+ (hours|days)", line)
-    assert line.endswith("; --yes to go on")
+    assert re.match(r"sweep: 10,000,200,000 rows take about [\d,]+ (hours|days)", line)
+    assert line.endswith("; add --yes to go on")
     assert list(folder.iterdir()) == []
     monkeypatch.setattr("armour.sweeps.sweep.LONG_S", 0.0)
     monkeypatch.setattr("armour.cli.sweeping.ANNOUNCED_S", 0.0)
     result = cli("sweep", WILKINS, *OVER, "-o", "t.csv", "--yes")
-    assert result.stderr.splitlines() == ["1 row; about 1 second", "wrote t.csv: 1 row"]
+    assert result.stderr.splitlines() == ["1 row takes about 1 second", "wrote t.csv: 1 row"]
+    for output in ((), ("-o", "u.csv", "--yes")):
+        words = cli("sweep", WILKINS, "--over", f"{CERAMIC}=6:7:0.7", *output).stderr
+        assert words.count("the last value is 6.7, ") == 1
 
 
 KILLED = """

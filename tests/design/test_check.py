@@ -95,4 +95,5 @@ def test_an_impact_that_is_no_threat_is_warned_of():
     assert not [note for note in check(case).warnings if note.startswith("impact: ")]
     for velocity, shown in ((2000.0, "2000"), (case.impact.velocity_m_s + 1e-6, f"{case.impact.velocity_m_s:g}")):
         [note] = [note for note in check(case.replaced({VELOCITY: velocity})).warnings if note.startswith("impact: ")]
-        assert note == f"impact: 7.62 mm AP at {shown} m/s is not among the threats, which are used instead"
+        words = "of [impact] is not used: the threats of [[threat]] are, and it is none of them"
+        assert note == f"impact: 7.62 mm AP at {shown} m/s {words}"

@@ -102,7 +102,7 @@ def test_what_cannot_be_drawn():
         plot(simulate(scenario()))
     history = impact().history
     assert isinstance(history, History)
-    with pytest.raises(InputError, match="must be one that is drawn, found History"):
+    with pytest.raises(InputError, match=r"must be one that help\(armour\.plot\) lists, found History"):
         plot(history)
     with pytest.raises(InputError, match="a quantity that is a number, found only outcome"):
         plot(sweep(scenario(), {"impact.velocity_m_s": [700.0, 800.0]}, "outcome"))

@@ -267,7 +267,7 @@ def test_samples_without_a_limit():
         uncertainty={"ceramic": {"flow_stress_GPa": NORMAL}, "samples": 128},
         ballistic_limit={"velocity_max_m_s": 740.0},
     )
-    with pytest.raises(NoLimitError, match="some samples from 20 to 740 m/s"):
+    with pytest.raises(NoLimitError, match="some samples have no ballistic limit between 20 and 740 m/s"):
         uncertainty(case)
 
 

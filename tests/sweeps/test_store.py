@@ -69,9 +69,9 @@ def test_chunks_make_the_table_and_leave_nothing_else(output: Path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"scenario": "other"}, "which differs in scenario; finish"),
-        ({"quantities": "y", "rows": "z"}, "which differs in quantities and rows; finish"),
-        ({"version": "0.9", "program": "z"}, "which differs in version and program; finish"),
+        ({"scenario": "other"}, "which differs in scenario; repeat"),
+        ({"quantities": "y", "rows": "z"}, "which differs in quantities and rows; repeat"),
+        ({"version": "0.9", "program": "z"}, "which differs in version and program; repeat"),
     ],
 )
 def test_what_differs_is_named_and_the_rows_stay(output: Path, change: dict[str, str], message: str):
@@ -131,7 +131,7 @@ def test_the_rows_of_a_sweep_that_was_killed_are_in_the_log(output: Path):
 
 
 def test_one_process_at_a_time(output: Path):
-    with Store(output, JOB, TYPES), pytest.raises(InputError, match="another sweep is at work"):
+    with Store(output, JOB, TYPES), pytest.raises(InputError, match="another sweep is writing"):
         Store(output, {**JOB, "quantities": "y"}, TYPES).__enter__()
     assert list(output.parent.iterdir()) == []
 

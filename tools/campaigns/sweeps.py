@@ -77,7 +77,7 @@ def kills(folder: Path) -> Iterator[str]:
 
 def pairs(folder: Path) -> Iterator[str]:
     """Start pairs of sweeps of different quantities to one output."""
-    refusals = ("another sweep is at work", "exists already", "contains rows", "cannot be written")
+    refusals = ("another sweep is writing", "exists already", "contains rows", "cannot be written")
     for output in outputs(folder, PAIRS):
         children = []
         for quantities in QUANTITIES:

@@ -20,7 +20,7 @@ from armour.evidence.caveats import is_long_rod, is_no_metal
 from armour.evidence.fit import fits
 from armour.evidence.mixture import Floats, Mixture
 from armour.evidence.model_error import ModelError, error_of, other_settings, scatter_of
-from armour.evidence.tests import is_untested, materials_of, scenario_warnings
+from armour.evidence.tests import far_from_tests, is_untested, materials_of, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.inputs import FLOW_STRESS, OBLIQUITY
 from armour.scenario.scenario import ANY_VELOCITY, Scenario
@@ -176,6 +176,8 @@ class LimitResult(Result):
         Velocity at which the armour stops a shot with a probability of 50 %, given this error, m/s.
     reason : str
         Reason why the error is not known; empty if it is.
+    far_from_tests : tuple of str
+        What of the armour or the threat is far from the tests.
     """
 
     ballistic_limit_m_s: float
@@ -192,6 +194,7 @@ class LimitResult(Result):
     expected_limit_m_s: float | None = None
     whole_areal_density_kg_m2: float = 0.0
     reason: str = ""
+    far_from_tests: tuple[str, ...] = ()
 
 
 @checked
@@ -228,7 +231,6 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         raise NoLimitError(_no_limit(crossings, lowest_perforates, points, low, high), above=not lowest_perforates)
     limit = crossings[0].bracket_m_s[1]
     error = model_error(row, limit)
-    warnings = scenario_warnings(scenario, row.armours, said=True)
     return LimitResult(
         ballistic_limit_m_s=limit,
         bracket_m_s=crossings[0].bracket_m_s,
@@ -239,11 +241,12 @@ def ballistic_limit(scenario: Scenario, *, on_progress: OnProgress = ignore_prog
         crossings=crossings,
         scanned_velocities=points,
         scanned_range_m_s=(low, high),
-        notes=(*warnings, *scenario.unused_distributions()),
+        notes=(*scenario_warnings(scenario, row.armours, said=True), *scenario.unused_distributions() * bool(error)),
         model_error=error,
         interval_m_s=None if error is None else error.interval(limit),
         expected_limit_m_s=None if error is None else error.median(limit),
         reason="" if error is not None else row.why_error_unknown(),
+        far_from_tests=tuple(map(str, far_from_tests(scenario, row.armours))),
     ).of(scenario.subject(ANY_VELOCITY), scenario=scenario)
 
 
@@ -261,7 +264,8 @@ def model_error(row: Variants, limit_m_s: float) -> ModelError | None:
 
 def not_monotonic(limit: LimitResult) -> tuple[Note, ...]:
     """Return a warning, in a tuple, if the outcome changes again above the ballistic limit; otherwise nothing."""
-    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {_crossings_in_words(limit.crossings)}"),)
+    changes = ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in limit.crossings)
+    return () if limit.monotonic else (Note(f"the outcome is not monotonic: {changes}"),)
 
 
 def _outcomes_at(row: Variants, velocities: list[float]) -> Any:
@@ -335,11 +339,6 @@ def _no_limit(crossings: tuple[Crossing, ...], lowest_perforates: bool, points: 
     return f"no ballistic limit: {perforating}; lower ballistic_limit.velocity_min_m_s"
 
 
-def _crossings_in_words(crossings: tuple[Crossing, ...]) -> str:
-    """Return the changes in words, such as "perforated above 812.50 m/s"."""
-    return ", ".join(f"{crossing.above} above {crossing.bracket_m_s[1]:.2f} m/s" for crossing in crossings)
-
-
 @dataclass(frozen=True, repr=False)
 class ConfidenceResult(Result):
     """Probability that an armour stops its threat.
@@ -368,6 +367,8 @@ class ConfidenceResult(Result):
     probability_v50_exceeds_velocity : float or None
         Probability that the ballistic limit of the armour, V50, exceeds the impact velocity: without the scatter of
         shots; None if this is not known.
+    far_from_tests : tuple of str
+        What of the armour or the threat is far from the tests.
     """
 
     probability_of_stopping: float | None
@@ -380,6 +381,7 @@ class ConfidenceResult(Result):
     probability_at_normal_incidence: float | None = None
     flow_stress: NeededFlowStress | None = None
     probability_v50_exceeds_velocity: float | None = None
+    far_from_tests: tuple[str, ...] = ()
 
 
 @checked
@@ -400,14 +402,14 @@ def confidence(scenario: Scenario, *, on_progress: OnProgress = ignore_progress)
     ConfidenceResult
         With the reason if no ballistic limit is found or a run does not end within the maximum number of steps.
     """
-    row, flow_stress = row_of(scenario), None
+    row = row_of(scenario)
     result = confidence_in(row, on_progress)
-    warnings = scenario_warnings(scenario, row.armours, said=True)
-    if result.probability_of_stopping is None:
-        required = scenario.design.probability_of_stopping if scenario.design else None
-        flow_stress = needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
-    result = replace(result, notes=(*warnings, *scenario.unused_distributions()), flow_stress=flow_stress)
-    return result.of(scenario=scenario)
+    is_known = result.probability_of_stopping is not None
+    required = scenario.design.probability_of_stopping if scenario.design else None
+    flow_stress = None if is_known else needed_flow_stress(scenario, scenario.impact.velocity_m_s, required)
+    far = tuple(map(str, far_from_tests(scenario, row.armours)))
+    notes = (*scenario_warnings(scenario, row.armours, said=True), *scenario.unused_distributions() * is_known)
+    return replace(result, notes=notes, flow_stress=flow_stress, far_from_tests=far).of(scenario=scenario)
 
 
 def confidence_in(row: Variants, on_progress: OnProgress = ignore_progress) -> ConfidenceResult:

@@ -102,13 +102,8 @@ def scenarios_of(
             changed = scenario.replaced({key: columns[key][row].item() for key in settings})
         where = np.flatnonzero(combination_of_row == index)
         inputs_of_rows = {key: values[where] for key, values in inputs.items()}
-        changed.check_rows(inputs_of_rows, partial(_problem_in_table, where, place))
+        changed.check_rows(inputs_of_rows, partial(lambda where, row, problem: place(int(where[row]), problem), where))
         yield where, changed, inputs_of_rows
-
-
-def _problem_in_table(where: Ints, place: Place, row: int, problem: Problem) -> Problem:
-    """Return a problem with its row named; `row` counts within a group, whose rows have the indices `where`."""
-    return place(int(where[row]), problem)
 
 
 def evaluate_groups(

@@ -15,7 +15,7 @@ from armour.core.rk4 import state_within
 from armour.core.run import Instant, Run, run
 from armour.core.state import Outcome, Parameters
 from armour.errors import InputError, Note, mistake
-from armour.evidence.tests import scenario_warnings
+from armour.evidence.tests import armours_of, far_from_tests, scenario_warnings
 from armour.scenario.checked import checked
 from armour.scenario.scenario import Scenario
 from armour.units import KN, MM, US, G
@@ -131,6 +131,8 @@ class ImpactResult(TableResult):
         Ways in which the scenario lies outside the validated range.
     history : History or None
         Quantities over time, if requested.
+    far_from_tests : tuple of str
+        What of the armour or the threat is far from the tests.
     """
 
     outcome: Literal["perforated", "stopped"]
@@ -148,6 +150,7 @@ class ImpactResult(TableResult):
     notes: tuple[Note, ...]
     history: History | None = None
     whole_areal_density_kg_m2: float = 0.0
+    far_from_tests: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result, without its history, as plain data."""
@@ -202,6 +205,7 @@ def impact_at(scenario: Scenario, velocity: float, *, history: bool = False) -> 
         stages=stage_records(trace, armour),
         notes=scenario_warnings(scenario, said=True),
         history=history_of(trace, armour, spacing) if history else None,
+        far_from_tests=tuple(map(str, far_from_tests(scenario, armours_of(scenario)))),
     )
 
 

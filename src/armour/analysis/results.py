@@ -49,9 +49,9 @@ class Result:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader should know beside the answer: the texts of the notes of the result, if it has any."""
+        """What a reader should know beside the answer: the texts of the notes of the result and of its scenario."""
         notes: Iterable[Note] = getattr(self, "notes", ())
-        return tuple(map(str, notes))
+        return (*map(str, notes), *getattr(self.question.get("scenario"), "notes", ()))
 
     def of(self, computed: str | None = None, **question: Any) -> Self:
         """Record the question that this result answers, in the result itself, and return the result.

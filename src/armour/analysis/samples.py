@@ -259,7 +259,7 @@ def misplaced(distributions: Mapping[str, Distribution], scenario: Scenario, ans
     for name in filter(values.__contains__, distributions):
         distribution, value = distributions[name], values[name]
         if (distribution.placed and scenario_values.get(name) != value) or not distribution.contains(value):
-            words = f"is given for a value other than {value:g}, which the armour and threat reported have"
+            words = f"is the distribution of another value than {value:g}, that of the armour and threat reported"
             notes.append(Note(f"{words}; inputs are taken as exact in their probability", f"uncertainty.{name}"))
     return tuple(notes)
 

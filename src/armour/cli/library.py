@@ -32,9 +32,9 @@ def library(
 ) -> None:
     """List or search rounds, materials and threats.
 
-    Without words, all are listed; words may be in upper or lower case.
+    Without words, all entries are listed. Case does not matter.
 
-    If there is one, it is shown with the source of every value.
+    If a single entry is found, it is shown with the source of every value.
 
     Examples
     --------
@@ -44,11 +44,10 @@ def library(
     armour library 7.62 steel
     """
     found = search_library(words or ())
-    items: dict[str, dict[str, Any]] = {kind: {} for kind, _, _ in found}
-    data: dict[str, dict[str, Any]] = {kind: {} for kind in items}
+    items, data = dict[str, dict[str, Any]](), dict[str, dict[str, Any]]()
     for kind, name, item in found:
-        items[kind][name] = item
-        data[kind][name] = item.model_dump() if kind == "threat" else item.to_dict()
+        items.setdefault(kind, {})[name] = item
+        data.setdefault(kind, {})[name] = item.model_dump() if kind == "threat" else item.to_dict()
     tables: list[Table | str] = [*views.tables_by_kind(items)]
     if len(found) == 1:
         [(kind, name, item)] = found

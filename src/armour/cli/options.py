@@ -74,5 +74,6 @@ SHEET = text("Sheet of a workbook, by default the only visible one with a table.
 KEEP = text("Column of the cases to keep as a label, such as the name of an offer; repeatable.", metavar="COLUMN")
 PLOT = file("Draw the result to a .png, .svg or .pdf file.")
 FORCE = flag("Replace existing files.", "--force")
+JUNIT = file("Write the result as JUnit XML; JUnit XML that armour wrote is replaced without --force.")
 AS_JSON = flag("Print one JSON object and nothing else.", "--json")
 VERBOSE = flag("Show every row and every warning.", "--verbose", "-v")

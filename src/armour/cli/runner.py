@@ -14,7 +14,7 @@ import armour
 from armour.analysis.quantities import Answer
 from armour.analysis.results import made_by
 from armour.cli.console import emit, say, show, show_json
-from armour.errors import ArmourError, InputError, Note, Problem, in_one_line, mistake, refuse, restated
+from armour.errors import ArmourError, InputError, Note, Problem, mistake, refuse, restated
 from armour.files import decoded, parse_toml, read_text, shell_line, unwritable, write_file, wrong_ending
 from armour.reporting.by_result import by_result, tables_of
 from armour.reporting.junit import TestCase, is_junit_of_armour, junit_suite, junit_xml
@@ -24,7 +24,7 @@ from armour.scenario.effect import check_effect
 from armour.scenario.keys import changes_of, is_read, line_of, lines_of, upwards, values_by_key
 from armour.scenario.scenario import Scenario, files_of, parse_changed, scenario_file
 
-Content = TypeVar("Content", bound="armour.Shots | armour.Tests")
+Content = TypeVar("Content", bound=Any)
 # Exit codes: a question without an answer, and a check that failed.
 NO_ANSWER, CHECK_FAILED = 1, 3
 STANDARD_INPUT = "standard input"
@@ -69,8 +69,7 @@ def check_outputs(
         # A stream or a pipe, to which a table may be written, has no ending.
         if output is not None and endings and (endings != CSV or isfile(output) or not exists(output)):
             problems += wrong_ending(output, endings)
-    paths = new if updated is None else [*new, updated]
-    problems += (problem for path in paths for problem in unwritable(path))
+    problems += (problem for path in [*new, *([updated] if updated else [])] for problem in unwritable(path))
     read = [file for each in inputs if each for file in (files_of(each) if isinstance(each, Scenario) else [each])]
     sources = [0 if str(file) in ("-", STANDARD_INPUT) else file for file in read]  # its descriptor
     for path in filter(isfile, new):
@@ -141,8 +140,9 @@ def read_scenario(
     if not by_model:
         return required
     if any(required.required_probabilities()):
-        message = "must be given without a required probability, as the model has none; leave it out"
-        raise wrong_option("--by-model", message)
+        message = "must not be combined with a required probability, which the model alone cannot tell"
+        way_on = "leave out --by-model, or --probability and the probabilities that the scenario requires"
+        raise wrong_option("--by-model", f"{message}; {way_on}")
     return required.replaced({"uncertainty.model": None}).replaced({"uncertainty.model.included": False})
 
 
@@ -291,13 +291,14 @@ def _without_folders(word: str) -> str:
 def warnings_of(scenario: Scenario | None, warnings: Iterable[Note], file: str = "", *, verbose: bool) -> list[str]:
     """Return the notes on a scenario, and the warnings, as lines for standard error.
 
-    ``file`` is the file that the warnings name, by default the scenario's.  Without ``verbose``, only the first warning
-    that the answer does not contain remains.
+    ``file`` is the file that the warnings name, by default the scenario's.  What the answer contains is left out;
+    without ``verbose``, only the first warning remains.
     """
     notes = () if scenario is None else (f"note: {note}" for note in scenario.notes)
     where = file or (scenario.file if scenario else "")
-    distinct = list(dict.fromkeys(warnings))
-    shown = list(map(str, distinct)) if verbose else in_one_line(distinct, "with -v")
+    unsaid = [note for note in dict.fromkeys(warnings) if note.said in ("", "detail")]
+    more = "; more with -v" * (len(unsaid) > 1)
+    shown = map(str, unsaid) if verbose else [f"{note}{more}" for note in unsaid if not note.said][:1]
     return [*notes, *(": ".join(filter(None, ("warning", where, warning))) for warning in shown)]
 
 

@@ -11,7 +11,7 @@ import typer
 import armour
 from armour.analysis.quantities import ANSWERS, QUANTITIES, VERDICT, WORDS, Answer, reads_of, with_round
 from armour.cli import completion, options, runner
-from armour.cli.console import emit, progress, say, show, show_json
+from armour.cli.console import progress, say, show, show_json
 from armour.cli.folders import scenario_paths
 from armour.cli.runner import CSV, PICTURE, Files, answer, check_outputs, read_scenario
 from armour.design.against import NO_BASE, Moved, moved
@@ -54,8 +54,8 @@ def simulate(
         result = armour.simulate(loaded, history=history is not None or plot is not None)
         count(1, None)
         confidence = armour.confidence(loaded, on_progress=count)
-    notes = tuple(dict.fromkeys((*result.notes, *confidence.notes)))
-    extra_data = {"warnings": list(map(str, notes)), "confidence": confidence.to_dict()}
+    # The notes of the confidence include those of the impact.
+    notes, extra_data = confidence.notes, {"warnings": confidence.warnings, "confidence": confidence.to_dict()}
     result.of(confidence=confidence)
     files: Files = {history: lambda _: rows_csv(result.history or ())}
     answer(result, loaded, files, notes, plot=plot, extra_data=extra_data, as_json=as_json, verbose=verbose)
@@ -106,7 +106,7 @@ def check(
     cases: Path | None = options.file("Table of offers: check the armour of each row in place of the scenario's."),
     sheet: str | None = options.SHEET,
     keep: list[str] | None = options.KEEP,
-    junit: Path | None = options.file("Write the results as JUnit XML; such a file is replaced."),
+    junit: Path | None = options.JUNIT,
     csv: Path | None = options.file("Write the limits as CSV, as given and changed, or a row for each offer."),
     markdown: Path | None = options.file("Write the verdicts as Markdown, as for the summary of a CI run."),
     probability: Any = options.PROBABILITY,
@@ -122,11 +122,11 @@ def check(
     verbose: bool = options.VERBOSE,
     as_json: bool = options.AS_JSON,
 ) -> None:
-    """Does an armour stop its threats? Also several, or offers.
+    """Check whether armours or offers stop their threats.
 
     The answer also says what a thinner layer, a faster round or an angle changes.
 
-    An armour passes if it has all that is required, a probability among it. The exit code is 0 if it passes, is
+    An armour passes if it meets all requirements and a probability is required. The exit code is 0 if it passes, is
     expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios, a folder or offers,
     there is a line for each, and --json prints an array.
 
@@ -147,9 +147,9 @@ def check(
     runner.check_options(
         ("--plot", plot and paths != scenario[:1], ONE_SCENARIO),
         ("--cases", cases and paths != scenario[:1], ONE_SCENARIO),
-        ("--cases", cases and (plot or against), "must be given without --plot and --against"),
-        ("--sheet", sheet and not cases, "must be given with --cases"),
-        ("--keep", keep and not cases, "must be given with --cases"),
+        ("--cases", cases and (plot or against), "cannot be combined with --plot or --against"),
+        ("--sheet", sheet and not cases, "needs --cases"),
+        ("--keep", keep and not cases, "needs --cases"),
     )
 
     def read(path: Path) -> armour.Scenario:
@@ -163,8 +163,7 @@ def check(
     check_outputs((markdown, ()), (csv, CSV), (plot, PICTURE), junit=junit, inputs=inputs, force=force)
     offers: Sequence[Offer | None] = [None] * len(scenarios)
     if table is not None:
-        if not table.read.plain:
-            say(f"read {cases}: {table.read.words}")
+        runner.say_how_read(cases, table)
         offers, scenarios = table.offers, [offer.scenario for offer in table.offers]
     results: list[armour.CheckResult] = []
     seconds, warnings = list[float](), list[str]()
@@ -187,8 +186,7 @@ def check(
         for found in results if is_one or verbose else ():
             show(*([] if is_one else ["", views.name_of(found)]), *views.tables_of_check(found))
         if move_tables:
-            emit("\n")
-            show(*move_tables)
+            show("", *move_tables)
 
     def suites() -> Iterator[Element]:
         for loaded, found, taken in zip(scenarios, results, seconds, strict=True):
@@ -270,8 +268,7 @@ def optimise(
     from armour.reporting.views.design import design_csv
 
     loaded = read_scenario(scenario, changes, ANSWERS["optimise"], probability, by_model=by_model)
-    outputs = (page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE)
-    check_outputs(*outputs, inputs=[loaded], force=force)
+    check_outputs((page, (".html",)), (save, (".toml",)), (csv, CSV), (plot, PICTURE), inputs=[loaded], force=force)
     with progress("impacts") as count, runner.as_options("optimise"):
         result = armour.optimise(loaded, on_progress=count)
         map_page = "" if page is None else _map_page(result, loaded, changes or (), count)
@@ -395,6 +392,7 @@ def sweep(
     armour sweep wilkins --over armour.ceramic_thickness_mm=4:12:0.1 -o limits.csv --plot limits.svg
     """
     from armour.cli import sweeping
+    from armour.sweeps.cases import Grid, axis_of
 
     asked = sweeping.ANSWERED if output is None else (sweeping.LIMIT,)
     names = [name.strip() for name in quantities.split(",")] if quantities else [*asked]
@@ -405,14 +403,14 @@ def sweep(
     check_outputs((output, ()), (plot, PICTURE), inputs=[loaded, cases], force=force)
     keys = len(over or [])
     runner.check_options(
-        ("--over", (cases is None) == (not over), "must be given, or --cases, but not both"),
+        ("--over", (cases is None) == (not over), "either --over or --cases must be given, and not both"),
         ("--plot", plot and keys not in (1, 2), f"must be given with one or two --over keys, found {keys or 'none'}"),
-        ("--keep", cases is None and keep, "must be given with --cases"),
+        ("--keep", cases is None and keep, "needs --cases"),
         ("--plot", plot and names[0] in WORDS, f"must be given with a number first in --quantities, found {names[0]}"),
-        ("--scheduler", scheduler and output is None, "must be given with -o"),
+        ("--scheduler", scheduler and output is None, "needs -o"),
     )
     with runner.as_options("sweep"):
-        source = sweeping.grid_of(over or []) if cases is None else sweeping.cases_of(cases, sheet, keep or ())
+        source = Grid(tuple(map(axis_of, over or ()))) if cases is None else sweeping.cases_of(cases, sheet, keep or ())
         if output is None:
             sweeping.show_rows(loaded, source, names, plot, as_json=as_json)
         else:
@@ -431,7 +429,7 @@ def report(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the answer as a page to hand over.
+    """Write a report of the answer.
 
     The report is one self-contained file with the answer, its uncertainty, charts (HTML) and the sources of all values.
 
@@ -451,8 +449,7 @@ def report(
     is_suite = str(source) != "-" and {"case", "table"} & read_toml(source).keys()
     if is_suite:
         of_scenario = {"--as-is": as_is, "--probability": probability is not None, "--by-model": by_model}
-        message = "must be given with a scenario, found a suite"
-        runner.check_options(*((name, is_given, message) for name, is_given in of_scenario.items()))
+        runner.check_options(*((*each, "needs a scenario, found a suite") for each in of_scenario.items()))
         suite = armour.load_suite(source, changes_of(changes or ()))
         check_outputs((output, REPORT_ENDINGS), inputs=suite_files(suite), force=force)
         with progress("cases", len(suite.cases)) as count:

@@ -28,7 +28,7 @@ def validate(
     update: bool = options.flag("Replace the suite's regression values with the computed ones.", "--update"),
     verbose: bool = options.flag("Show every case, and why some are not scored.", "--verbose", "-v"),
     markdown: Path | None = options.file("Write the result as Markdown."),
-    junit: Path | None = options.file("Write the result as JUnit XML; such a file is replaced."),
+    junit: Path | None = options.JUNIT,
     force: bool = options.FORCE,
     as_json: bool = options.AS_JSON,
 ) -> None:
@@ -96,7 +96,7 @@ def validate(
 def figures(
     folder: Path = options.argument("DIR", "Folder to write to."),
     only: str = options.text("Draw only figures whose name contains the text.", metavar="TEXT", default=""),
-    image: Literal["png", "svg"] = typer.Option("png", "--format", help="Format of the figures."),
+    image: Literal["png", "svg"] = typer.Option("png", "--format", metavar="FORMAT", help="Format, png or svg."),
     force: bool = options.FORCE,
 ) -> None:
     """Draw the paper's figures.

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,8 @@ from armour.cli.console import progress, say
 from armour.errors import counted, mistake
 from armour.reporting.views.sweeps import SWEEP_ROWS, first_rows, tables_of_sweep
 from armour.scenario.scenario import Scenario
-from armour.sweeps.cases import Grid, SweepCases, axis_of
-from armour.sweeps.sweep import Effort, subject_of, sweep_in_memory, write_sweep
+from armour.sweeps.cases import Grid, SweepCases
+from armour.sweeps.sweep import Effort, result_of, sweep_in_memory, write_sweep
 from armour.sweeps.tables import read_table
 
 # Quantity of a table by default, and those shown without a table.
@@ -28,18 +27,8 @@ ANNOUNCED_S = 10.0
 def cases_of(file: str | Path, sheet: str | None = None, keep: Sequence[str] = ()) -> SweepCases:
     """Open a table of cases, and say how it was read if that was not obvious; `sheet` is that of a workbook."""
     cases = SweepCases(file, sheet, keep)
-    if cases.read:
-        say(f"read {file}: {cases.read}")
+    say(*[f"read {file}: {cases.read}"] * bool(cases.read))
     return cases
-
-
-def grid_of(texts: Sequence[str]) -> Grid:
-    """Return the grid of the axes in `texts`, such as "key=4:12:1", and warn if a step misses the end of a range."""
-    axes = tuple(map(axis_of, texts))
-    for axis in axes:
-        if axis.omission:
-            say(f"warning: --over {axis.key}: {axis.omission}")
-    return Grid(axes)
 
 
 def write_and_show(
@@ -71,7 +60,7 @@ def write_and_show(
 
         def approve(effort: Effort) -> None:
             if effort.is_large and not yes:
-                raise mistake("sweep", "", f"{effort.words}; --yes to go on")
+                raise mistake("sweep", "", f"{effort.words}; add --yes to go on")
             if effort.seconds > ANNOUNCED_S:
                 say(effort.words)
 
@@ -81,14 +70,8 @@ def write_and_show(
     say(f"wrote {output}: {counted(source.count, 'row')}", *_notes(quantities))
     shown = first_rows(read_table(output), scenario, source.keys) if source.count <= SWEEP_ROWS else []
     runner.show_answer({"rows": source.count, "output": str(output)}, shown, scenario, as_json=as_json)
-
-    def figure() -> Any:
-        from armour.reporting.pictures import drawing, sweeps
-
-        draw = partial(sweeps.draw_columns, read_table(output), source.keys, quantities[0], scenario)
-        return drawing.drawn(draw, drawing.Sheet(), subject_of(scenario, source, quantities)).figure
-
-    runner.write({plot: runner.picture(figure, scenario)})
+    result = result_of(scenario, source, quantities, (), output=output)
+    runner.write({plot: runner.picture(lambda: armour.plot(result), scenario)})
 
 
 def show_rows(

@@ -1,8 +1,10 @@
 """Let a program change equations of the model for as long as a context lasts, and tell which are changed."""
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from inspect import isfunction
+from contextlib import contextmanager, suppress
+from functools import wraps
+from inspect import isfunction, signature
+from threading import local
 from types import ModuleType
 from typing import Any
 
@@ -30,12 +32,13 @@ def equations(**changed: Callable[..., float]) -> Iterator[None]:
     ----------
     **changed : callable
         The functions to use, by the names of those of `armour.core.equations`, with the same arguments and units.
+        Within such a function, the one in whose place it is stays callable under its own name.
 
     Raises
     ------
     InputError
-        If a name is none of an equation, or a value is no function.  Within the context: if a function returns no
-        finite number.
+        If a name is none of an equation, or a value is no function of its arguments.  Within the context: if a function
+        returns no finite number.
 
     Examples
     --------
@@ -82,6 +85,19 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
         elif not callable(value):
             yield Problem("equations", name, f"must be a function, found {value!r}")
+        elif (found := _needed(value)) not in ("", needed := _needed(getattr(model_equations, name))):
+            yield Problem("equations", name, f"must be a function of {needed}, in this order, found {found}")
+
+
+def _needed(function: Callable[..., Any]) -> str:
+    """Return the names of the arguments that a function needs, as "V, U"; "" if it takes any, or does not tell."""
+    with suppress(ValueError):
+        each = signature(function).parameters.values()
+        if all(parameter.kind != parameter.VAR_POSITIONAL for parameter in each):
+            # An underscore before a name says that it is not used.
+            needed = (parameter.name.lstrip("_") for parameter in each if parameter.default is parameter.empty)
+            return ", ".join(needed) or "none"
+    return ""
 
 
 def _set(module: ModuleType, values: dict[str, Any]) -> None:
@@ -94,8 +110,19 @@ def _equation_with_check(name: str, function: Callable[..., Any]) -> Callable[..
     """Return a changed equation that raises an InputError if it gives no finite number for finite arguments."""
     import numpy as np  # slow to import
 
+    original: Callable[..., float] = getattr(model_equations, name)
+    calling = local()
+
+    @wraps(original)
     def call(*arguments: Any) -> float:
-        value = function(*arguments)
+        if vars(calling):
+            # The function calls the one in whose place it is.
+            return original(*arguments)
+        calling.itself = True
+        try:
+            value = function(*arguments)
+        finally:
+            del calling.itself
         try:
             is_right = np.isrealobj(value) and (np.isfinite(value).all() or not np.isfinite(arguments).all())
         except TypeError:

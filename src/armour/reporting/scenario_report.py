@@ -58,7 +58,7 @@ def scenario_report(
     threat = deciding(checked)
     reported = armour.against(armour.threats()[checked.threats.index(threat)])
     is_uncertain = scenario.distributions() and not misplaced(scenario.distributions(), scenario, reported)
-    limit = _or_none(ballistic_limit, reported, ignore_progress)
+    limit, exact = _or_none(ballistic_limit, reported, ignore_progress), scenario.unused_distributions()
     explaining = {
         "Results under uncertain inputs": _or_none(uncertainty, reported, on_part) if is_uncertain else None,
         "The impact, stage by stage": simulate(reported, history=True),
@@ -93,7 +93,7 @@ def scenario_report(
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,
         facts=(*facts, ONE_SHOT, *filter(None, [_which_armour(scenario, search)])),
-        warnings=tuple(map(_warning, notes)),
+        warnings=tuple(_warning(note) for note in notes if not is_uncertain or note not in exact),
         cross_section=reported,
     )
 

@@ -54,7 +54,7 @@ def plot(result: Result, *, title: str | None = None, ax: "Axes | None" = None) 
     >>> figure.savefig("impact.png")
     """
     if not isinstance(result, Result) or by_result(draw, result) is None:
-        raise mistake("plot", "result", f"must be one that is drawn, found {type(result).__name__}")
+        raise mistake("plot", "result", f"must be one that help(armour.plot) lists, found {type(result).__name__}")
     from matplotlib.axes import Axes  # slow to import
 
     from armour.reporting.pictures.drawing import Sheet, drawn
@@ -72,8 +72,7 @@ def in_html(result: Result) -> str | None:
 
     if (tables := by_result(tables_of, result)) is None:
         return None
-    warnings = (f"warning: {warning}" for warning in getattr(result, "warnings", ()))
-    return rendered("notebook.html", tables=[*tables(result), *warnings])
+    return rendered("notebook.html", tables=[*tables(result), *map("warning: {}".format, result.warnings)])
 
 
 @usual_errors()

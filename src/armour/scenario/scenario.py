@@ -38,7 +38,7 @@ ANY_VELOCITY: Varied = {VELOCITY: ()}
 # Greatest number of names and threats to list.
 MAX_LISTED = 3
 LEFT_OUT_AT_ANGLES = "ricochet, yaw and bending of the core are not in the model"
-EXACT_INPUTS = "its distributions are not in the probability and the interval; `armour uncertainty` includes them"
+EXACT_INPUTS = "the probability and interval take the inputs as exact; armour uncertainty includes their distributions"
 
 
 def in_row(row: int, problem: Problem) -> Problem:
@@ -427,7 +427,8 @@ class Scenario(Section):
         impact = schema.Threat.model_construct(**self.impact.model_dump())
         if not self.threat or impact.as_impact() in [threat.as_impact() for threat in self.threat]:
             return ()
-        return (Note(f"{schema.shot(impact)} is not among the threats, which are used instead", "impact"),)
+        words = f"{schema.shot(impact)} of [impact] is not used: the threats of [[threat]] are, and it is none of them"
+        return (Note(words, "impact"),)
 
     def unused_threats(self) -> tuple[Note, ...]:
         """Return a warning, for a result of the section ``impact``, if the scenario has threats of its own."""

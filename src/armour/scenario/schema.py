@@ -124,7 +124,7 @@ class InertLayer(Section):
     areal_density_kg_m2: Amount
     """Areal density of the layer."""
     cost_per_m2: Amount = 0.0
-    """Cost per area of the layer; if it is left out, the cost of the armour is not known."""
+    """Cost per area of the layer; if it is not given, which is not the same as 0, that of the armour is not known."""
 
     def has_cost(self) -> bool:
         """Return whether a cost is given."""
@@ -566,7 +566,7 @@ class ModelSection(Section):
     degrees_of_freedom: Annotated[float, Field(ge=1.0, le=1e6)] | None = None
     """Degrees of freedom of this distribution, such as the number of tests less 1."""
     source: str = ""
-    """Source of the error; without it and degrees_of_freedom, no probability is known."""
+    """Source of the error; without it or without degrees_of_freedom, no probability is known."""
 
     @model_validator(mode="after")
     def _complete(self) -> "ModelSection":

@@ -101,7 +101,8 @@ def sensitivity(scenario: Scenario, *, on_progress: OnProgress = ignore_progress
     on_progress(len(limits), len(limits))
     answers = {LIMIT: limits, RESIDUAL: np.where(impacts.perforated, impacts.residual_velocities, np.nan)}
     if all(isnan(values[0]) for values in answers.values()):
-        raise NoAnswerError("nothing to compare: no ballistic limit in the range of its search, no residual velocity")
+        bounds = "ballistic_limit.velocity_min_m_s and velocity_max_m_s"
+        raise NoAnswerError(f"nothing to rank: there is no ballistic limit between {bounds}, and no residual velocity")
     step = log((1.0 + CHANGE) / (1.0 - CHANGE))
     elasticities = {answer: np.log(values[1::2] / values[2::2]) / step for answer, values in answers.items()}
     # The ballistic limit does not depend on the velocity, over which it is searched for.

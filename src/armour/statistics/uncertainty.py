@@ -209,10 +209,9 @@ def sample_limits(samples: Samples) -> Floats:
     limits: Floats = ballistic_limits(samples.variants) * samples.factor
     if np.isinf(limits).any():
         search = samples.variants.scenario.ballistic_limit
-        raise NoLimitError(
-            f"no ballistic limit of some samples from {search.velocity_min_m_s:g} to {search.velocity_max_m_s:g} m/s; "
-            "widen the range of the section ballistic_limit, or truncate the distributions"
-        )
+        ends = f"between {search.velocity_min_m_s:g} and {search.velocity_max_m_s:g} m/s"
+        way_on = "widen velocity_min_m_s to velocity_max_m_s in [ballistic_limit], or truncate the distributions"
+        raise NoLimitError(f"some samples have no ballistic limit {ends}; {way_on}")
     return limits
 
 

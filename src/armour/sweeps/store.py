@@ -38,7 +38,7 @@ FILE_NAME = re.compile(r"rows(-wal)?|\.armour-[0-9a-f]{16}")
 # The table of the database.
 TABLE = "chunk (start integer primary key, checksum, content)"
 START_AGAIN = "remove the folder to start again"
-BUSY = "another sweep is at work on this output, or its disk has no locks; wait for it, or choose another output"
+BUSY = "another sweep is writing this output, or its disk cannot lock files; wait, or choose another output"
 
 
 class Chunk(NamedTuple):
@@ -196,7 +196,7 @@ class Store:
             job, warnings = ABOUT.validate_json(line)
             if differing := [name for name, value in self.job.items() if job.get(name) != value]:
                 other = f"another sweep, which differs in {' and '.join(differing)}"
-                way_out = f"finish that with its own command and program, or {START_AGAIN}"
+                way_out = f"repeat the other sweep's command with the version it was begun with, or {START_AGAIN}"
                 raise mistake(self.folder, "", f"contains rows of {other}; {way_out}")
             rows = np.frombuffer(values, self.type)
         except ValueError:

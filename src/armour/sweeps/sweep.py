@@ -26,6 +26,7 @@ from armour.design.check import evaluated
 from armour.design.requirements import VERDICTS
 from armour.engine.changes import changed_names
 from armour.errors import InputError, Note, Problem, choices, counted, duration, mistake, refuse
+from armour.evidence.core_digest import changed_equations
 from armour.files import finite, reason, shipped
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.keys import describe
@@ -198,7 +199,7 @@ def sweep(
         result = sweep_in_memory(scenario, source, names, threads, MAX_ROWS)
         on_progress(source.count, source.count)
         return result
-    output, warnings = Path(output).absolute(), _omissions(source)
+    output, warnings = Path(output).absolute(), list[str]()
     write_sweep(
         scenario,
         source,
@@ -208,7 +209,7 @@ def sweep(
         on_chunk=lambda rows, _stored: on_progress(rows, source.count),
         tell=lambda line: warnings.append(line.removeprefix("warning: ")),
     )
-    return _result(scenario, source, names, warnings, output=output)
+    return result_of(scenario, source, names, warnings, output=output)
 
 
 def sweep_in_memory(
@@ -220,16 +221,11 @@ def sweep_in_memory(
     check(scenario, source, quantities)
     check_rows(scenario, source)
     columns, row_counts = chunk_of(scenario, source.rows(places := np.arange(source.count)), quantities, threads)
-    warnings = [*general_warnings(scenario, quantities), *row_warnings(row_counts, source.count)]
-    return _result(scenario, source, quantities, [*_omissions(source), *warnings], {**source.labels(places), **columns})
+    warnings = [*general_warnings(scenario, source, quantities), *row_warnings(row_counts, source.count)]
+    return result_of(scenario, source, quantities, warnings, {**source.labels(places), **columns})
 
 
-def _omissions(source: Grid | SweepCases) -> list[str]:
-    """Return warnings of ends of ranges that are left out, as they are not a whole number of steps away."""
-    return [f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission]
-
-
-def _result(
+def result_of(
     scenario: Scenario,
     source: Grid | SweepCases,
     quantities: Sequence[str],
@@ -240,7 +236,7 @@ def _result(
     """Return the result of a sweep, whose columns, by name, are in memory or in the file `output`."""
     notes = tuple(map(Note, warnings))
     result = SweepResult(scenario, source.keys, tuple(quantities), source.count, output, notes, columns)
-    return result.of(subject_of(scenario, source, quantities), scenario=scenario)
+    return result.of(subject_of(scenario, source, quantities), scenario=scenario, changed=changed_equations())
 
 
 def write_sweep(
@@ -268,7 +264,7 @@ def write_sweep(
     an older file; a Parquet file records the ``command`` that made it.
     """
     check(scenario, source, quantities)
-    for line in general_warnings(scenario, quantities):
+    for line in general_warnings(scenario, source, quantities):
         tell(f"warning: {line}")
     threads = threads if workers is None else 1
     compute = partial(chunk_of, scenario, quantities=quantities, threads=threads)
@@ -367,14 +363,14 @@ def check(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[st
     )
 
 
-def general_warnings(scenario: Scenario, quantities: Sequence[str]) -> list[str]:
-    """Return warnings of unused threats, and of quantities that need an excluded model error."""
+def general_warnings(scenario: Scenario, source: Grid | SweepCases, quantities: Sequence[str]) -> list[str]:
+    """Return warnings of omitted ends of ranges, of unused threats, and of quantities without the model error."""
     of_impact = [name for name in quantities if name != VERDICT]
-    excluded = of_impact if scenario.excludes_error() else ()
-    without_value = [name for name in excluded if "uncertainty.model" in QUANTITIES[name].reads]
+    empty = [name for name in of_impact if scenario.excludes_error() and "uncertainty.model" in QUANTITIES[name].reads]
     return [
+        *(f"{axis.key}: {axis.omission}" for axis in source.axes if axis.omission),
         *(map(str, scenario.unused_threats()) if {*reads_of(of_impact)} - {*OF_WEIGHT} else ()),
-        *(f"{name}: has no value if uncertainty.model.included is false" for name in without_value),
+        *(f"{name}: has no value if uncertainty.model.included is false" for name in empty),
     ]
 
 
@@ -408,7 +404,7 @@ def effort_of(
         if sample and (count < number or row_s * count > SAMPLE_S):
             break
     seconds = row_s * source.count / (workers.number if workers else 1)
-    words = f"{counted(source.count, 'row')}; about {duration(seconds)}"
+    words = f"{counted(source.count, 'row')} take{'s' * (source.count == 1)} about {duration(seconds)}"
     return Effort(row_s, seconds, words, is_large=seconds > LONG_S or source.count > MANY_ROWS)
 
 

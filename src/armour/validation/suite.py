@@ -184,8 +184,8 @@ def load_suite(path: str | PathLike[str], changes: Mapping[str, object] | None =
     Parameters
     ----------
     path : path-like
-        A TOML file or, if there is no such file, the name of a shipped suite, "paper" or "plates".  Files that the
-        suite names are in its folder or, if not there, shipped ones.
+        A TOML file or, if there is no such file, the name of a shipped suite, such as "paper"; ``armour init --list``
+        lists them.  Files that the suite names are in its folder or, if not there, shipped ones.
     changes : mapping of str to object, optional
         Values that replace those of every scenario, by dotted key; tables are merged.
 

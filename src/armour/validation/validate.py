@@ -13,6 +13,7 @@ from armour.analysis.evaluate import evaluate_groups, groups_of
 from armour.analysis.results import TableResult, by_column
 from armour.design.against import is_same
 from armour.errors import NoAnswerError
+from armour.evidence.core_digest import changed_equations
 from armour.files import named
 from armour.scenario.checked import checked
 from armour.scenario.inputs import INPUTS, NAMES
@@ -151,8 +152,9 @@ class SuiteResult(TableResult):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Rows of files of tests that are left out, and columns that probably should be read."""
-        return tuple(dict.fromkeys(text for check in self.checks for text in check.case.warnings))
+        """Changed equations, rows of files of tests that are left out, and columns that probably should be read."""
+        changed = [f"computed with {words}"] if (words := self.question.get("changed")) else []
+        return tuple(dict.fromkeys([*changed, *(text for check in self.checks for text in check.case.warnings)]))
 
     @property
     def passed(self) -> bool:
@@ -231,7 +233,7 @@ def result_of(suite: Suite, checks: Sequence[Check]) -> SuiteResult:
         checks=tuple(checks),
         summaries=tuple(summary for table, rows in tables if rows for summary in _summaries(table, rows)),
         description=suite.description,
-    )
+    ).of(changed=changed_equations())
 
 
 def check(case: Case, subjects: dict[tuple[str, ...], Subject]) -> Check:

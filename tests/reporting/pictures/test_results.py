@@ -29,6 +29,7 @@ from armour.statistics.calibration import CalibrationResult, Residual
 from armour.statistics.likelihood import Coefficient
 from armour.statistics.sensitivity import Elasticity, SensitivityResult
 from armour.statistics.v50 import FiringResult, Shots, v50
+from armour.sweeps.sweep import SweepResult
 from armour.validation.figures import Figure, FigureLine, FigureMark, FigureSection
 from tests.analysis.results import impact as impact_result
 from tests.design.results import best_of
@@ -397,7 +398,8 @@ def table(*keys: str) -> dict[str, Any]:
 
 
 def sweep_picture(columns: dict[str, Any], *keys: str) -> Picture:
-    return drawn(lambda sheet: sweeps.draw_columns(columns, keys, "ballistic_limit_m_s", scenario(), sheet), Sheet())
+    result = SweepResult(scenario(), keys, ("ballistic_limit_m_s",), len(columns[keys[0]]), None, (), columns)
+    return drawn(lambda sheet: sweeps.draw_sweep(result.of(changed="crack_velocity changed"), sheet), Sheet())
 
 
 def test_a_sweep_over_one_key():
@@ -409,7 +411,7 @@ def test_a_sweep_over_one_key():
     [curve] = curves(axes).values()
     assert y_of(curve) == pytest.approx([500.0, nan], nan_ok=True)
     outside = "1 of 2, hollow and dashed, are far from the tests."
-    assert picture.note == f"1 of 2 rows have no ballistic limit. {outside}"
+    assert picture.note == f"1 of 2 rows have no ballistic limit. Computed with crack_velocity changed. {outside}"
     assert axes.get_xlim()[1] > 6.0
 
 

@@ -17,8 +17,8 @@ from armour.errors import mistake
 from armour.reporting.by_result import draw, headline
 from armour.reporting.pictures import drawing
 from armour.reporting.table import in_words, sentence, wrapped
-from armour.reporting.views.analysis import STAGES, far_of
-from armour.reporting.words import chance, said_of
+from armour.reporting.views.analysis import STAGES
+from armour.reporting.words import chance, far_line, said_of
 from armour.scenario.inputs import VELOCITY
 from armour.units import MM
 
@@ -79,7 +79,7 @@ def draw_impact(result: ImpactResult, sheet: drawing.Sheet) -> drawing.Picture:
 
 def _caveats(result: ImpactResult | LimitResult) -> list[str]:
     """Return sentences for the note of a picture: what of the armour is far from the tests, and the model's caveats."""
-    return [sentence(str(text)) for text in (*far_of(result), *said_of(result.notes))]
+    return [sentence(str(text)) for text in (*far_line(result.far_from_tests), *said_of(result.notes))]
 
 
 def _name_stages(axes: Axes, result: ImpactResult, shown: float, inches: float) -> None:

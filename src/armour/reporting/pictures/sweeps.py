@@ -12,13 +12,12 @@ from armour.reporting.by_result import draw
 from armour.reporting.pictures import drawing
 from armour.reporting.table import Column, in_words
 from armour.reporting.views.sweeps import is_number
-from armour.scenario.scenario import Scenario
 from armour.sweeps.sweep import SweepResult
 
 
 @draw.register
 def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
-    """Draw the first numerical quantity of a sweep."""
+    """Draw the first numerical quantity of a sweep: over one key as a curve, over two as a map."""
     numbers = [key for key in result.keys if is_number(result[key])]
     if len(result.keys) > 2 or len(numbers) < len(result.keys):
         message = f"must be a sweep over one or two keys of numbers, found {', '.join(result.keys)}"
@@ -27,23 +26,14 @@ def draw_sweep(result: SweepResult, sheet: drawing.Sheet) -> drawing.Picture:
     if not quantities:
         message = f"must have a quantity that is a number, found only {', '.join(result.quantities)}"
         raise mistake("plot", "result", message)
-    return draw_columns(result.columns, result.keys, quantities[0], result.scenario, sheet)
-
-
-def draw_columns(
-    table: Mapping[str, Any], keys: Sequence[str], name: str, scenario: Scenario, sheet: drawing.Sheet
-) -> drawing.Picture:
-    """Draw the quantity `name` over one key of a sweep, as a curve, or over two, as a map.
-
-    `table` has an array (rows,) by name of key or quantity.
-    """
-    answer, values = Column.of(name, ".4g"), table[name]
+    table, keys, scenario = result.columns, result.keys, result.scenario
+    answer, values = Column.of(quantities[0], ".4g"), table[quantities[0]]
     title = f"{answer.label[:1].upper()}{answer.label[1:]} over {' and '.join(Column.of(key).label for key in keys)}"
     missing = np.count_nonzero(np.isnan(values))
     notes = [f"{missing} of {len(values)} rows have no {answer.label}."] if missing else []
+    notes += [f"Computed with {changed}."] if (changed := result.question.get("changed")) else []
     is_far = far_of(scenario, {key: table[key] for key in keys}) if len(keys) == 1 else np.zeros(len(values), bool)
-    if far := np.count_nonzero(is_far):
-        notes.append(f"{far} of {len(values)}, hollow and dashed, are far from the tests.")
+    notes += [f"{far} of {len(values)}, hollow and dashed, are far from the tests."] if (far := is_far.sum()) else []
     picture = sheet.panels(title, 1.2 * drawing.PANEL, note=" ".join(notes))
     [axes] = picture.axes
     if len(keys) == 2:
@@ -65,7 +55,7 @@ def _draw_curve(axes: Axes, x: Any, values: Any, is_far: Any) -> None:
 
 
 def _draw_map(axes: Axes, table: Mapping[str, Any], keys: Sequence[str], answer: Column) -> None:
-    """Draw the quantity `answer` over two numerical keys as colours and contours; `table` is that of `draw_columns`."""
+    """Draw the quantity `answer` over two numerical keys as colours and contours; `table` is the columns, by name."""
     (x, column), (y, row) = (np.unique(table[key], return_inverse=True) for key in keys)
     z = np.full((len(y), len(x)), np.nan)
     z[row, column] = table[answer.key]

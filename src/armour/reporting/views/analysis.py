@@ -6,7 +6,6 @@ from typing import NamedTuple
 from armour.analysis.ballistic_limit import ConfidenceResult, LimitResult
 from armour.analysis.impact import History, ImpactResult
 from armour.analysis.results import EachResult
-from armour.evidence.tests import armours_of, far_from_tests
 from armour.reporting import words as phrases
 from armour.reporting.by_result import by_result, in_a_line, line_of, tables_of
 from armour.reporting.table import Column, Source, Table, VerdictLine, between
@@ -60,7 +59,8 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     facts["left"] = "; ".join(left)
     caveats = [caveat for caveat in phrases.said_of(result.notes) if caveat not in unknown]
     shown: list[Table | str] = [VerdictLine(in_a_line(result), good=False if unknown else None)]
-    shown += [Table.of_facts(facts), *far_of(result) * (not unknown), *caveats, stage_table(result)]
+    far = [] if unknown else phrases.far_line(result.far_from_tests)
+    shown += [Table.of_facts(facts), *far, *caveats, stage_table(result)]
     if not result.question.get("every_row"):
         return shown
     depth = f"{result.penetration_depth_mm:.1f} mm below the front face"
@@ -68,12 +68,6 @@ def tables_of_impact(result: ImpactResult) -> list[Table | str]:
     if confidence is not None:
         shown += [*phrases.basis_notes(confidence), *phrases.v50_notes(confidence, result.impact_velocity_m_s)]
     return shown
-
-
-def far_of(result: ImpactResult | LimitResult) -> list[Table | str]:
-    """Return a line on what of the armour is far from the tests, if anything."""
-    scenario = result.question.get("scenario")
-    return [] if scenario is None else phrases.far_line(far_from_tests(scenario, armours_of(scenario)))
 
 
 def armour_words(result: ImpactResult | LimitResult) -> str:
@@ -169,7 +163,8 @@ def tables_of_limit(result: LimitResult) -> list[Table | str]:
     limit = f"{result.ballistic_limit_m_s:.0f} m/s by the model" if is_unknown else ""
     tests = "" if is_unknown else tests_words(result)
     shown.append(Table.of_facts({"limit": limit, "armour": armour_words(result), "tests": tests}))
-    shown += [*far_of(result) * (not is_unknown), *phrases.said_of(result.notes), *crossings(result)]
+    far = [] if is_unknown else phrases.far_line(result.far_from_tests)
+    shown += [*far, *phrases.said_of(result.notes), *crossings(result)]
     if result.question.get("every_row"):
         low, high = result.scanned_range_m_s
         below, above = result.bracket_m_s

@@ -282,7 +282,7 @@ def rule_note(result: Comparison) -> str:
     """Return a note on the areal density rule: its factor and tests, or why there is none."""
     if rule := next((each for each in result.predictions[1:] if each.fitted), None):
         return f"{rule.fitted}: {result.tests}, as was the model's flow stress"
-    return f"no errors, without tests of this round and these materials; there are {result.tests}"
+    return f"no errors are known: none of the tests is of this round and these materials; they are {result.tests}"
 
 
 @line_of.register
