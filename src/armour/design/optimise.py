@@ -59,7 +59,7 @@ class Design:
     governing : str
         Threat against which the least is left of what is required.
     far_from_tests : tuple of str
-        In what the design is far from the tests, against any threat, such as "5083-H3 (on 6061-T6)".
+        In what the design is far from the tests, against any threat, such as "5083-H3 (tested on 6061-T6)".
     """
 
     ceramic: str
