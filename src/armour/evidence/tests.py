@@ -492,18 +492,15 @@ def what_was_tested(impact: Impact, armours: Armours) -> Tested:
     fired = bool(evidence.lot) and same_rods(q, evidence.fits[0].own[0].tests.quantities).any()
     diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
     roles = {each.name.partition("_")[0] for each in ranges if each.name not in LAYERS and each.factor(q)[0] > FAR}
-    layers = [each for each in ranges if each.name in LAYERS]
-    thicknesses_mm = {LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in layers}
+    thicknesses_mm = {LAYERS[r.name]: (r.low * diameter_mm, r.high * diameter_mm) for r in ranges if r.name in LAYERS}
     others = []
     with_it = "own tests with another round" if evidence.lot else f"tested with {evidence.projectile}"
     for name, tested, role, words, own in (
         (armours.materials[0].backing.name, evidence.metal, "backing", f"tested on {evidence.metal}", evidence.lot),
         (impact.projectile, evidence.projectile, "rod", with_it, fired),
     ):
-        if tested and not own and tested != name:
-            others.append(Far(name, words))
-        elif not tested and role in roles:
-            others.append(Far(name, "no test"))
+        if (not own and tested != name) if tested else role in roles:
+            others.append(Far(name, words if tested else "no test"))
     if evidence.excludes_angle(armours.cosines)[0]:
         others.append(Far(f"{impact.obliquity_deg:g}°", f"tested to {evidence.obliquity_max_deg:g}°"))
     scaled = ", scaled to this round" * (not fired and evidence.projectile != impact.projectile)

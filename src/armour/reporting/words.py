@@ -114,20 +114,14 @@ def v50_notes(answer: ConfidenceResult | CheckedThreat, velocity_m_s: float) -> 
 
 
 def tested_here(error: ModelError) -> list[str]:
-    """Return what own tests of the same armour measured, if any, and what the other own tests alone predict."""
+    """Return what own tests of the same armour measured, if any, what the other own tests predict, and then doubts."""
     if (here := error.tests_here) is None:
         return []
-    measured = measured_here(here)
+    count, measured = len(here.limits_m_s), measured_here(here)
     others = f"the {here.others} other own tests alone"
     others = {0: "without it", 1: "the other own test alone"}.get(here.others, others)
     predicted = f"about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s"
     words = [f"{f'measured {measured}' if measured else 'tested'} here ({own_tests(here)})", f"{others}: {predicted}"]
-    return [*words, *doubts_here(here)]
-
-
-def doubts_here(here: TestsHere) -> list[str]:
-    """Return what is doubtful about the own tests of the same armour: that there is one, or that some disagree."""
-    count, words = len(here.limits_m_s), list[str]()
     if here.out_of_line:
         words += ["out of line with the others: check it" if count == 1 else f"{here.out_of_line} out of line: check"]
     if count == 1 and not here.shots:

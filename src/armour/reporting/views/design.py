@@ -43,10 +43,9 @@ def verdict_word(verdict: Verdict) -> str:
 
 def verdict_cell(result: CheckResult) -> str:
     """Return the verdict on an armour, with the number of sources if it is not known as its flow stress has too few."""
-    required = (each for threat in result.threats for each in threat.requirements)
-    sources = {int(each.found or 0) for each in required if each.quantity == "flow_stress_sources"}
-    lacking = result.verdict == "not known" and sources
-    return f"not known, {counted(max(sources), 'source')}" if lacking else verdict_word(result.verdict)
+    lacking = [each for each in deciding(result).requirements if each.quantity == "flow_stress_sources"]
+    sources = f", {counted(int(lacking[0].found or 0), 'source')}" if lacking and result.verdict == "not known" else ""
+    return verdict_word(result.verdict) + sources
 
 
 def _names_its_speed(threat: CheckedThreat) -> bool:
@@ -200,14 +199,13 @@ def tests_words(threat: CheckedThreat) -> str:
     if (here := error.tests_here) is not None:
         measured, own = phrases.measured_here(here), phrases.own_tests(here)
         words = f"{measured} on this very armour ({own})" if measured else f"{own} at this very armour"
-        return "; ".join([words, *phrases.doubts_here(here)])
+        return "; ".join([words, *phrases.tested_here(error)[2:]])  # the doubts
     return error.source.replace(" tests", "", 1)
 
 
 def changes(threat: CheckedThreat) -> str:
     """Return in a line what each small change gives: the probability of stopping, or else the limit by the model."""
-    known = threat.probability_of_stopping is not None
-    words = []
+    known, words = threat.probability_of_stopping is not None, []
     for each in threat.what_ifs:
         if known:
             words.append(f"{each.change} {phrases.chance(each.probability_of_stopping)}")
@@ -340,8 +338,7 @@ def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
         threats = results[0].threats
         against = at_speed(threats[0]) if len(threats) == 1 else counted(len(threats), "threat")
         line += f" ({_required(threats[0])}, {against})"
-    is_good = {*found} <= {*GOOD}
-    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if is_good else False)
+    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if {*found} <= {*GOOD} else False)
 
 
 def check_report(results: Sequence[CheckResult], move_tables: Sequence[Table | str]) -> Report:
@@ -480,16 +477,11 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
     """Return a row for each pair of materials and, with `every_row` in the question, frontier and Pareto front."""
-    shown = list[Table | str]()
-    if len(result.pairs) > 1:
-        shown += pair_table(result)
+    shown = pair_table(result) if len(result.pairs) > 1 else []
     if _every_row(result):
         if result.frontier:
-            shown.append(
-                designs_table(
-                    result.frontier, f"thinnest tile that {'may hold' if result.reason else 'holds'} on each plate"
-                )
-            )
+            holds = "may hold" if result.reason else "holds"
+            shown.append(designs_table(result.frontier, f"thinnest tile that {holds} on each plate"))
         margin = [MARGIN] * (MARGIN_COLUMN in result.criteria)
         shown += [designs_table(result.pareto, "Pareto front", *margin)] if result.pareto else []
         shown.append(f"{counted(result.designs, 'design')} computed")
@@ -511,13 +503,12 @@ def pair_table(result: DesignResult) -> list[Table | str]:
     designs = [pair.best or pair.nearest for pair in result.pairs]
     checks = [each.check for each in designs if each is not None]
     alike = {check.verdict for check in checks} == {result.shown.check.verdict}
+    columns = *_verdict_columns(checks), *[(VERDICT, verdict_cell)] * (not alike)
     table = Table.of(
         zip(result.pairs, designs, strict=True),
         (Column("materials", prose=True), lambda row: pair_words(row[0])),
         *of_part(lambda row: row[1], (Column("best", prose=True), sizes)),
-        *of_part(
-            lambda row: row[1] and row[1].check, *_verdict_columns(checks), *[(VERDICT, verdict_cell)] * (not alike)
-        ),
+        *of_part(lambda row: row[1] and row[1].check, *columns),
         rest="--json",
     )
     metals = {pair.best.backing for pair in result.pairs if pair.best is not None and pair.best.ceramic}
@@ -527,15 +518,13 @@ def pair_table(result: DesignResult) -> list[Table | str]:
 
 def designs_table(designs: Sequence[Design], title: str, *margin: Column) -> Table:
     """Tabulate designs in a row each; `margin` is the column of the margin where it is a criterion."""
-    armour: Source = Column("armour", prose=True), armour_in_words
-    columns = armour, AREAL_DENSITY, THICKNESS, COST, *margin, FAR
+    columns = (Column("armour", prose=True), armour_in_words), AREAL_DENSITY, THICKNESS, COST, *margin, FAR
     return Table.of(designs, *columns, title=title, rest="--csv FILE")
 
 
 def design_csv(result: DesignResult) -> str:
     """Format designs as CSV: the Pareto front; without one, the frontier."""
     untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST
-    margin = [MARGIN] * bool(result.pareto)
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, *[MARGIN] * bool(result.pareto)
     designs = result.pareto or result.frontier
-    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, FAR))
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, FAR))
