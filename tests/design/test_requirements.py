@@ -161,7 +161,7 @@ def test_an_error_given_without_source_or_degrees_of_freedom_is_not_known(missin
     del error[missing]
     bare = of.replaced({"uncertainty.model": None}).replaced({"uncertainty.model": error})
     assert check(bare).verdict == "not known"
-    assert "without both its source and degrees_of_freedom" in check(bare).threats[0].reason
+    assert "not used: its error needs scale_percent, degrees_of_freedom and source" in check(bare).threats[0].reason
 
 
 @pytest.mark.parametrize("sampled", [{}, {"ceramic": {"flow_stress_GPa": NARROW}}])

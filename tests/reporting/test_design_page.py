@@ -187,7 +187,7 @@ METALS = {"design.backing": [{"material": name, "thickness_mm": [8.0]} for name 
 SENTENCES: list[tuple[dict[str, Any], str]] = [
     ({"armour.ceramic": "SiC"}, "stopped by the model: 7.62 mm AP at 850 m/s, limit "),
     ({"armour.ceramic": "SiC", "design.probability_of_stopping": 0.9}, "not known: no test of SiC on metal is known; "),
-    ({"armour.ceramic": "B4C"}, "not known: 1 source of the flow stress of its ceramic, at least 2 required"),
+    ({"armour.ceramic": "B4C"}, "not known: the flow stress of its ceramic has 1 source, at least 2 required"),
     (
         {"threat": [{"projectile": "7.62 mm APM2", "velocity_m_s": 830.0, "obliquity_deg": 30.0, "margin_m_s": 20.0}]},
         "stopped by the model: 7.62 mm APM2 at 830 m/s, 30° obliquity, limit ",

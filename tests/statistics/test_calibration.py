@@ -238,7 +238,10 @@ def test_a_mistyped_limit_is_out_of_line(wilkins: Scenario, tmp_path: Path):
     implausible, warning, of_error = calibrate(
         read_tests(csv_file(tmp_path / "t.csv", *lines), wilkins), wilkins
     ).warnings
-    assert implausible == "line 4: an own test has a limit that no lot of such armour can have"
+    assert (
+        implausible
+        == "line 4: a measured limit is impossible for any lot of such armour; check it, its unit and the armour"
+    )
     assert "one is implausible for any lot" in of_error
     assert warning.startswith("line 4: ballistic_limit_m_s is out of line with the other tests: measured 7010, but")
 

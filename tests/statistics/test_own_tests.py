@@ -15,6 +15,7 @@ from armour.design.check import check
 from armour.design.optimise import optimise
 from armour.errors import InputError
 from armour.evidence.tests import armours_of
+from armour.reporting.views import design as view
 from armour.reporting.words import model_error_words
 from armour.scenario.inputs import BACKING, CERAMIC, FLOW_STRESS, OBLIQUITY, VELOCITY
 from armour.scenario.scenario import Scenario, parse_scenario
@@ -108,6 +109,11 @@ def test_against_a_round_that_was_not_fired_the_interval_is_wider():
     larger = {"impact.projectile": "14.5 mm B32", CERAMIC: 16.3, BACKING: 13.2}
     widths = [high / low for low, high in (interval_of(case), interval_of(case.replaced(larger)))]
     assert widths[1] > 1.1 * widths[0]
+    named = [
+        [words for words in check(each).threats[0].far_from_tests if "B32" in words]
+        for each in (case, case.replaced(larger))
+    ]
+    assert named == [[], ["14.5 mm B32 (own tests with another round)"]]
 
 
 def greatest_probability(
@@ -170,8 +176,9 @@ def test_a_second_test_of_the_armour_settles_it():
     errors = [confidence(case).model_error for case in (once, twice)]
     assert "settle" not in model_error_words(known(errors[1]))
     assert interval_of(twice)[0] > interval_of(once)[0] + 15.0
-    torn = known(confidence(very(*VERY_TESTS, "8,7.62 mm B32,1105,12")).model_error)
-    assert "these tests do not agree" in model_error_words(torn)
+    [torn] = check(very(*VERY_TESTS, "8,7.62 mm B32,1105,12")).threats
+    for words in (model_error_words(known(torn.model_error)), view.tests_words(torn)):
+        assert "these tests do not agree" in words
 
 
 def interval_of(case: Scenario) -> tuple[float, float]:

@@ -207,7 +207,7 @@ def check(
         if command:
             typed = _options_to_repeat(command, changes, probability, by_model=by_model and command != "report")
             _propose(command, scenarios[0], typed, words)
-        else:
+        elif words:
             runner.propose(words)
     if any(result.verdict not in GOOD for result in results) or any(move.weaker for move in moves):
         raise typer.Exit(runner.CHECK_FAILED)
@@ -304,17 +304,16 @@ def _propose_after(
     result: "armour.DesignResult", scenario: "armour.Scenario", typed: Sequence[str], save: Path | None
 ) -> None:
     """Print what to go on with after a search: the check of the design saved, or how to save one that holds."""
-    from armour.design.check import USUAL_PROBABILITY
+    from armour.design.check import USUAL_PROBABILITY, what_tells
 
     verdict, name = result.shown.check.verdict, runner.source_word(save or BEST)
     if result.reason == "none passes":
         runner.propose("offer thicker layers or other materials, or ask for less")
     elif verdict == "expected to stop" and save is None:
         _propose("optimise", scenario, typed, f"--probability {USUAL_PROBABILITY:g} --save {BEST}")
-    elif verdict in ("not known", "stopped by the model") and scenario.excludes_error():
-        runner.propose("without --by-model or uncertainty.model.included = false, tests may tell")
     elif verdict in ("not known", "stopped by the model"):
-        runner.propose(f"a V50 of {name} decides: armour calibrate" + f" (--save {name})" * (save is None))
+        saved = f"save the design (--save {name}), fire a V50 of it" if save is None else f"fire a V50 of {name}"
+        runner.propose(what_tells(result.shown.check, f"{saved}, then run armour calibrate"))
     else:
         checked = shell_line(["armour", "check", name])
         runner.propose(checked if save else f"add --save {name}, then {checked}")

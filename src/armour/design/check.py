@@ -24,7 +24,7 @@ from armour.analysis.variants import Variants, row_of
 from armour.design.offers import Offer, read_offers
 from armour.design.requirements import VERDICTS, Requirement, Standing, Verdict, against_threat, of_armour, verdict_of
 from armour.errors import Note
-from armour.evidence.model_error import ModelError
+from armour.evidence.model_error import ModelError, other_settings, why_by_settings
 from armour.evidence.tests import armours_of, far_from_tests, threat_warnings
 from armour.scenario.checked import Names, Table, checked
 from armour.scenario.inputs import BACKING, CERAMIC, OBLIQUITY, VELOCITY
@@ -108,7 +108,7 @@ class CheckedThreat:
         Probability of perforation (1 minus that of stopping) from the distributions of the inputs, if a probability is
         required.
     far_from_tests : tuple of str
-        In what the armour or the threat is far from the tests, such as "5083-H3 (on 6061-T6)".
+        In what the armour or the threat is far from the tests, such as "5083-H3 (tested on 6061-T6)".
     name : str
         Name of the threat without its numbers, as it stays if only these change.
     probability_v50_exceeds_velocity : float or None
@@ -250,6 +250,17 @@ def _order_of_decision(threat: CheckedThreat) -> tuple[int, float]:
 def deciding(result: CheckResult) -> CheckedThreat:
     """Return the answer for the threat that decides the verdict on an armour: the worst one."""
     return min(result.threats, key=_order_of_decision)
+
+
+def what_tells(result: CheckResult, own_tests: str) -> str:
+    """Return in words what would tell a probability that is not known: other settings, or else `own_tests`."""
+    scenario = result.question["scenario"]
+    if scenario.excludes_error():
+        return "leave out --by-model or uncertainty.model.included = false: tests may tell the probability"
+    if deciding(result).model_error is not None:
+        return own_tests
+    settings = other_settings(scenario)
+    return f"without {settings}, tests may tell" if settings else why_by_settings(scenario) or own_tests
 
 
 @overload

@@ -14,7 +14,7 @@ from armour.analysis.variants import Ints
 from armour.design.catalogue import MARGIN_COLUMN, Catalogue, catalogue_of
 from armour.design.check import CheckResult, check_of
 from armour.design.designs import FAILS, NOT_KNOWN, Designs, Runs
-from armour.design.requirements import Verdict
+from armour.design.requirements import VERDICTS, Verdict
 from armour.design.search import best_place, nearest, pareto
 from armour.errors import Note
 from armour.scenario.checked import checked
@@ -27,11 +27,7 @@ from armour.units import MM
 MOST_SHOWN = 25
 Reason = Literal["", "none passes", "not known"]
 # Reason why there is no best design, by the verdict on the nearest; other verdicts give none.
-REASONS: dict[Verdict, Reason] = {
-    "fails": "none passes",
-    "perforated by the model": "none passes",
-    "not known": "not known",
-}
+REASONS: dict[Verdict, Reason] = {**dict.fromkeys(VERDICTS[:2], "none passes"), "not known": "not known"}
 # Most thicknesses that a warning lists.
 MOST_LISTED = 5
 
@@ -59,7 +55,7 @@ class Design:
     governing : str
         Threat against which the least is left of what is required.
     far_from_tests : tuple of str
-        In what the design is far from the tests, against any threat, such as "5083-H3 (on 6061-T6)".
+        In what the design is far from the tests, against any threat, such as "5083-H3 (tested on 6061-T6)".
     """
 
     ceramic: str

@@ -152,7 +152,5 @@ def of_armour(section: DesignSection, amounts: Mapping[str, float | None]) -> It
     for key, words in OBJECTIVES.items():
         most, found = getattr(section, words.bound), amounts[key]
         if most is not None:
-            verdict: Verdict = "not known"
-            if found is not None:
-                verdict = "passes" if found <= most * (1.0 + SLACK_ROUNDING) else "fails"
-            yield Requirement(key, "", most, found, verdict)
+            kept: Verdict = "passes" if (found or 0.0) <= most * (1.0 + SLACK_ROUNDING) else "fails"
+            yield Requirement(key, "", most, found, "not known" if found is None else kept)

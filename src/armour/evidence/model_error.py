@@ -40,7 +40,7 @@ INTERLAYER = (
     "no shipped test has a layer between tile and back plate, and a compliant one may lower the ballistic limit"
 )
 # Reason why a given error is not used.
-BARE = "uncertainty.model gives an error without both its source and degrees_of_freedom"
+BARE = "uncertainty.model is not used: its error needs scale_percent, degrees_of_freedom and source"
 
 
 @dataclass(frozen=True)
@@ -265,7 +265,7 @@ def other_settings(scenario: Scenario) -> str:
     return ", ".join(filter(None, [*others, changed_equations()]))
 
 
-def _why_by_settings(scenario: Scenario) -> str:
+def why_by_settings(scenario: Scenario) -> str:
     """Return why the error is not known, whatever the armour, by the sections of a scenario; "" if these allow it."""
     section = None if scenario.uncertainty is None else scenario.uncertainty.model
     if section is not None and section.is_bare:
@@ -283,7 +283,7 @@ def errors_of(scenario: Scenario, armours: Armours) -> ErrorRows:
     entries, or else from the shipped tests.
     """
     count, error = len(armours.material_of_row), given_error(scenario)
-    if scenario.excludes_error() or _why_by_settings(scenario) or (error is None and scenario.interlayers):
+    if scenario.excludes_error() or why_by_settings(scenario) or (error is None and scenario.interlayers):
         return ErrorRows.unknown(count)
     if error is not None:
         repeated = error.ratio.mapped(lambda array: np.repeat(array[:, None], count, axis=1))
@@ -404,7 +404,7 @@ def _tests_here(evidence: Evidence, ratio: Mixture, armour: Armours, limit_m_s: 
 
 def why_unknown(scenario: Scenario, armour: Armours) -> str:
     """Return why the model error is not known for a single armour, the only row of `armour`, in words."""
-    if reason := _why_by_settings(scenario):
+    if reason := why_by_settings(scenario):
         return reason
     if is_no_metal(np.min(armour.parameters.rho_B)):
         return "the back plate may be no metal"
@@ -412,7 +412,7 @@ def why_unknown(scenario: Scenario, armour: Armours) -> str:
         return INTERLAYER
     [(evidence, _)] = armour.by_evidence
     if evidence.lot and not evidence.fits:
-        return f"of {evidence.lot}, {evidence.source}"
+        return f"{evidence.lot}: {evidence.source}"
     q, ceramic = armour.quantities(), armour.materials[armour.material_of_row[0]].ceramic
     if evidence.holds(q).all():
         return f"the model was compared with {evidence.angles()}"

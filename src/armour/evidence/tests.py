@@ -305,7 +305,7 @@ def own_evidence(entry: LibraryEntry, own_tests: OwnTests) -> Evidence:
     distances = np.min([_deviations_from_lots(fit, tests, offset) for fit, tests, offset in by_law], axis=0)
     if (distances > IMPLAUSIBLE).any():
         doubtful = np.flatnonzero(distances > IMPLAUSIBLE)
-        reason = "an own test has a limit that no lot of such armour can have"
+        reason = "a measured limit is impossible for any lot of such armour; check it, its unit and the armour"
         return Evidence(source=reason, lot=entry.name, doubtful=tuple(doubtful.tolist()))
     is_strange = is_outside(_kind_without_calibrated(shipped, own_tests), tested).any()
     between_lots = STRANGE_METAL if is_strange else STRANGE * bool(shipped.ceramic)
@@ -450,7 +450,7 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[Far, ...]:
     """Return in what the armour of a scenario is far from the tests; `armours` has it as its only row.
 
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
-    range of the tests, which is rounded inwards.
+    range of the tests, which is rounded outwards.
     """
     p, cosines = armours.parameters, armours.cosines
     sizes_mm = ((thickness * cosines).item() / MM for thickness in (p.Hc0, p.Hb))
@@ -462,6 +462,7 @@ class Tested(NamedTuple):
 
     thicknesses_mm: dict[str, tuple[float, float]]  # least and greatest, by layer, "tile" or "plate"
     others: tuple[Far, ...]  # in what else but the thicknesses the armour is far from that
+    of_round: str  # added to the thicknesses if they were tested with other rounds
 
     def far_of(self, ceramic: LibraryEntry | None, tile_mm: float, plate_mm: float) -> tuple[Far, ...]:
         """Return in what an armour with this ceramic and these thicknesses, mm, is far from the tests."""
@@ -474,10 +475,9 @@ class Tested(NamedTuple):
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
             return None
-        # Of a single thickness, both roundings.
-        ends = sorted((np.ceil(10.0 * low) / 10.0, np.floor(10.0 * high) / 10.0))
+        ends = np.floor(round(10.0 * low, 3)) / 10.0, np.ceil(round(10.0 * high, 3)) / 10.0
         tested = " to ".join(dict.fromkeys(f"{end:g}" for end in ends))
-        return Far(f"{size_mm:.4g} mm {layer}", f"tested {tested} mm")
+        return Far(f"{size_mm:.4g} mm {layer}", f"tested {tested} mm{self.of_round}")
 
 
 def what_was_tested(impact: Impact, armours: Armours) -> Tested:
@@ -489,22 +489,22 @@ def what_was_tested(impact: Impact, armours: Armours) -> Tested:
     q = armours.quantities()
     evidence = evidence if evidence.fits else shipped_evidence()[nearest_shipped(q)[0]]
     ranges = [*evidence.kind, *evidence.measured]
+    fired = bool(evidence.lot) and same_rods(q, evidence.fits[0].own[0].tests.quantities).any()
     diameter_mm = float((armours.parameters.D0 * armours.cosines).item()) / MM
     roles = {each.name.partition("_")[0] for each in ranges if each.name not in LAYERS and each.factor(q)[0] > FAR}
-    layers = [each for each in ranges if each.name in LAYERS]
-    thicknesses_mm = {LAYERS[each.name]: (each.low * diameter_mm, each.high * diameter_mm) for each in layers}
+    thicknesses_mm = {LAYERS[r.name]: (r.low * diameter_mm, r.high * diameter_mm) for r in ranges if r.name in LAYERS}
     others = []
-    for name, tested, role, with_it in (
-        (armours.materials[0].backing.name, evidence.metal, "backing", "on"),
-        (impact.projectile, evidence.projectile, "rod", "with"),
+    with_it = "own tests with another round" if evidence.lot else f"tested with {evidence.projectile}"
+    for name, tested, role, words, own in (
+        (armours.materials[0].backing.name, evidence.metal, "backing", f"tested on {evidence.metal}", evidence.lot),
+        (impact.projectile, evidence.projectile, "rod", with_it, fired),
     ):
-        if tested and not evidence.lot and tested != name:
-            others.append(Far(name, f"{with_it} {tested}"))
-        elif not tested and role in roles:
-            others.append(Far(name))
+        if (not own and tested != name) if tested else role in roles:
+            others.append(Far(name, words if tested else "no test"))
     if evidence.excludes_angle(armours.cosines)[0]:
         others.append(Far(f"{impact.obliquity_deg:g}°", f"tested to {evidence.obliquity_max_deg:g}°"))
-    return Tested(thicknesses_mm, tuple(others))
+    scaled = ", scaled to this round" * (not fired and evidence.projectile != impact.projectile)
+    return Tested(thicknesses_mm, tuple(others), scaled)
 
 
 def contradicted(armours: Armours) -> Iterator[tuple[Note, Any]]:

@@ -52,8 +52,8 @@ def requirement_words(requirement: Requirement) -> str:
     if requirement.quantity == "interlayers":
         return INTERLAYER
     if requirement.quantity == "flow_stress_sources":
-        sources = counted(int(requirement.found or 0), "source")
-        return f"{sources} of the flow stress of its ceramic, at least {requirement.required:g} required"
+        sources = f"{counted(int(requirement.found or 0), 'source')}, at least {requirement.required:g} required"
+        return f"the flow stress of its ceramic has {sources} (flow_stress_sources_GPa)"
     quantity, found, most = requirement.quantity, requirement.found, requirement.required
     unit = OBJECTIVES[quantity].unit
     text = "not known" if found is None else amount(quantity, found, most) + unit
@@ -114,7 +114,7 @@ def v50_notes(answer: ConfidenceResult | CheckedThreat, velocity_m_s: float) -> 
 
 
 def tested_here(error: ModelError) -> list[str]:
-    """Return what own tests of the same armour measured, if any, and what the other own tests alone predict."""
+    """Return what own tests of the same armour measured, if any, what the other own tests predict, and then doubts."""
     if (here := error.tests_here) is None:
         return []
     count, measured = len(here.limits_m_s), measured_here(here)

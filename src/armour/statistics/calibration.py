@@ -285,7 +285,7 @@ def _with_evidence(result: CalibrationResult, tests: Tests, inputs: Sequence[str
         result = replace(result, evidence=stored.model_dump(exclude_none=True, exclude_defaults=True))
     elif {name.partition(".")[0] for name in inputs} != {"projectile"}:
         result = replace(result, reason=nothing_of_error(scenario))
-        notes = [f"of the entry, {result.reason}"]
+        notes = [f"no probability follows from the entry: {result.reason}"]
     doubts += (*_outlier_warnings(tests, result, doubtful), *_origin_warnings(tests, result.residuals))
     return replace(result, notes=(*map(Note, doubts), *result.notes, *map(Note, notes)))
 

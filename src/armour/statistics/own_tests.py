@@ -31,7 +31,7 @@ UNTESTED_DEVIATION = 0.40
 # steps, change of the logarithm for the derivative of the limit's logarithm, and least value of this derivative, which
 # is 0.35 to 0.62 for most armours.
 FACTOR, STEPS, STEP, LEAST_SLOPE = 8.0, 6, 0.05, 0.3
-NOTHING_OF_ERROR = "the tests that it was calibrated to do not determine the model error"
+NOTHING_OF_ERROR = "its own tests do not determine the model error"
 # What identifies a test: layers, angle, penetrator and measured limit.
 IDENTITY = (CERAMIC, BACKING, OBLIQUITY, *ROD[:2], LIMIT)
 # What can be calibrated to own tests, by role: keys of the entry, and the quantities of an armour that follow.

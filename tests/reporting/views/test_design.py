@@ -11,6 +11,7 @@ from armour.reporting.table import Table
 from armour.reporting.views import design as view
 from armour.reporting.views.design import chance_text, nearly_as_good, pair_table, tables_of_check, tables_of_design
 from armour.reporting.words import chance, needed_flow_stress
+from armour.scenario.inputs import BACKING, FLOW_STRESS
 from tests.design.results import best_design, best_of, design, design_result
 from tests.helpers.cases import scenario
 from tests.reporting.tables import headings
@@ -69,7 +70,7 @@ def test_designs_on_other_plates_within_1_percent_of_the_best_are_named():
     near = [design("AD85", 10.0 - i, 6.0 + i, weight) for i, weight in enumerate((50.0, 50.4, 50.1, 50.2, 50.3, 60.0))]
     result = replace(design_result(), frontier=tuple(near), best=best_design(areal_density_kg_m2=50.0))
     others = replace(result, best=best_design(areal_density_kg_m2=50.0, backing_thickness_mm=6.0))
-    assert nearly_as_good(others) == "8 on 8, 7 on 9, 6 on 10 mm and 1 more (-v)"
+    assert nearly_as_good(others) == "8 on 8, 7 on 9, 6 on 10 mm and 1 more"
 
 
 THREATS = [{"projectile": name, "velocity_m_s": 600.0} for name in ("7.62 mm AP", "7.62 mm APM2")]
@@ -78,6 +79,8 @@ THREATS = [{"projectile": name, "velocity_m_s": 600.0} for name in ("7.62 mm AP"
 def test_the_threat_that_decides_stands_first_in_the_verdict():
     several = check(scenario(threat=[*THREATS, {"projectile": "7.62 mm AP", "velocity_m_s": 700.0, "name": "fast"}]))
     assert in_a_line(several).startswith("expected to stop against every threat: a shot of fast at 700 m/s, with ")
+    far = "far from the tests against 7.62 mm APM2 at 600 m/s: 7.62 mm APM2 (tested with 7.62 mm AP)"
+    assert far in map(str, tables_of_check(several))
     missed = check(scenario(threat=[{"projectile": "7.62 mm AP", "velocity_m_s": 900.0}, *THREATS]))
     assert in_a_line(missed) == ("FAILS: stops a shot of 7.62 mm AP at 900 m/s with below 1 % (none required)")
 
@@ -94,6 +97,7 @@ def test_a_sampled_probability_lies_within_its_interval_as_shown():
     [threat] = check(scenario(velocity=600.0, design={"probability_of_stopping": 0.9106})).threats
     shown = replace(threat, probability_of_stopping=0.91053, sampled=Estimate(0.08947, 0.08932, 0.08961))
     assert chance_text(shown) == "91.0 % (sampled 91.0 to 91.1 %)"
+    assert view.reasons(shown).endswith(" 91.0 % (sampled 91.0 to 91.1 %, 91.06 % required)")
 
 
 def test_a_probability_is_shown_as_exactly_as_it_is_required():
@@ -120,8 +124,28 @@ def test_pairs_have_their_best_design_or_the_nearest_and_the_verdict_on_it():
         ("AD99.5 on 6061-T6", "FAILS"),
     ]
     assert notes[0] == "* by the model, without tests"
+    assert "against" in headings(pair_table(optimise(scenario(threat=THREATS, design=layers)))[0])
+
+
+def test_a_verdict_counts_the_sources_of_the_flow_stress():
+    cells = [
+        view.verdict_cell(check(scenario().replaced({FLOW_STRESS: 10.0}))),
+        view.verdict_cell(check(scenario(ceramic="B4C"))),
+    ]
+    assert cells == ["not known, 0 sources", "not known, 1 source"]
 
 
 def test_the_next_step_is_without_settings_that_the_tests_were_not_computed_with():
     checked = check(scenario(velocity=500.0).replaced({"solver.time_step_us": 0.1}))
     assert view.next_step(checked) == ("", "without solver.time_step_us = 0.1, tests may tell")
+    bare = check(scenario(velocity=500.0, uncertainty={"model": {"scale_percent": 5.0}}))
+    assert view.next_step(bare)[1].startswith("uncertainty.model is not used: ")
+
+
+def test_the_next_step_is_no_search_that_would_be_refused():
+    layers = {
+        name: [{"material": each, "thickness_mm": [8.0]}]
+        for name, each in (("ceramic", "AD85"), ("backing", "6061-T6"))
+    }
+    hull = scenario(backing_mm=8.0, velocity=1200.0, design={**layers, "existing": "backing"})
+    assert [view.next_step(check(each))[0] for each in (hull, hull.replaced({BACKING: 7.0}))] == ["optimise", ""]

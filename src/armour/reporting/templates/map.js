@@ -283,7 +283,7 @@ const bounded = (pair, k) => [["areal density", pair.areal[k], state.most, "kg/m
 function headline(pair, k) {
   if (k === null) return `No ${pair.name} is on offer within the limits of the scenario.`;
   const found = judged(pair, k), untold = threats.some((_, t) => !tells(pair, k, t));
-  const least = found <= PERFORATED ? "nearest" : untold ? "lightest by the model" : "lightest";
+  const least = found <= PERFORATED ? "nearest" : untold ? "lightest by the model" : found === NOT_KNOWN ? "lightest with tests" : "lightest";
   const amounts = bounded(pair, k).map(([, value, most, unit]) => `${beside(value, most, 1, true).replace(unit === "mm" ? /\.0$/ : "", "")}${isFinite(most) ? ` of at most ${trimmed(most)}` : ""} ${unit}`);
   return `${least}: ${armour(pair, k)}, ${amounts.join(", ")}`;
 }

@@ -7,12 +7,11 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from armour.design.against import Moved
-from armour.design.catalogue import MARGIN_COLUMN
-from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding, shown_limit
+from armour.design.catalogue import MARGIN_COLUMN, catalogue_of
+from armour.design.check import USUAL_PROBABILITY, CheckedThreat, CheckResult, deciding, shown_limit, what_tells
 from armour.design.optimise import Design, DesignResult, Pair, armour_in_words
 from armour.design.requirements import GOOD, VERDICTS, Verdict
-from armour.errors import counted
-from armour.evidence.model_error import other_settings
+from armour.errors import InputError, counted
 from armour.reporting import words as phrases
 from armour.reporting.by_result import in_a_line, line_of, tables_of
 from armour.reporting.junit import TestCase, junit_suite
@@ -43,9 +42,10 @@ def verdict_word(verdict: Verdict) -> str:
 
 
 def verdict_cell(result: CheckResult) -> str:
-    """Return the verdict on an armour, with "one source" if it is not known as its flow stress has no more."""
-    lacking = any(each.quantity == "flow_stress_sources" for threat in result.threats for each in threat.requirements)
-    return verdict_word(result.verdict) + ", one source" * (lacking and result.verdict == "not known")
+    """Return the verdict on an armour, with the number of sources if it is not known as its flow stress has too few."""
+    lacking = [each for each in deciding(result).requirements if each.quantity == "flow_stress_sources"]
+    sources = f", {counted(int(lacking[0].found or 0), 'source')}" if lacking and result.verdict == "not known" else ""
+    return verdict_word(result.verdict) + sources
 
 
 def _names_its_speed(threat: CheckedThreat) -> bool:
@@ -91,12 +91,12 @@ def reasons(threat: CheckedThreat) -> str:
         kind = "by the model" if threat.expected_limit_m_s is None else "expected"
         return f"limit {limit_text(threat)} m/s {kind} against {name}; {margin.required:g} m/s above it required"
     if threat.probability_of_stopping is not None:
-        likely = chance_text(threat)
         if threat.verdict == "not known" and threat.sampled is None:
-            return f"stops a shot of {name} with at most {likely} so far from the tests ({required})"
+            return f"stops a shot of {name} with at most {chance_text(threat)} so far from the tests ({required})"
+        likely = f"{chance_text(threat)} ({required})".replace(") (", ", ")  # of a sampled one, both in one bracket
         if threat.verdict == "expected to stop":
-            return f"a shot of {name}, with {likely} ({required})"
-        return f"stops a shot of {name} with {likely} ({required})"
+            return f"a shot of {name}, with {likely}"
+        return f"stops a shot of {name} with {likely}"
     limit = "no limit found" if threat.ballistic_limit_m_s is None else f"limit {limit_text(threat)} m/s"
     if threat.verdict in ("stopped by the model", "perforated by the model"):
         return f"{name}, {limit}"
@@ -170,8 +170,8 @@ def facts(result: CheckResult, *, armour: str = "", also: str = "") -> list[Tabl
         }
     facts_by_label["within 1 %"] = also
     shown.append(Table.of_facts(facts_by_label))
-    if _is_modelled(threat):
-        shown += phrases.far_line(threat.far_from_tests, f" against {threat.threat}" * several)
+    for each in filter(_is_modelled, result.threats):
+        shown += phrases.far_line(each.far_from_tests, f" against {each.threat}" * several)
     return [*shown, *phrases.said_of(result.notes)]
 
 
@@ -197,14 +197,15 @@ def tests_words(threat: CheckedThreat) -> str:
     if error is None:
         return ""
     if (here := error.tests_here) is not None:
-        return f"{phrases.measured_here(here) or 'tested'} on this very armour ({phrases.own_tests(here)})"
+        measured, own = phrases.measured_here(here), phrases.own_tests(here)
+        words = f"{measured} on this very armour ({own})" if measured else f"{own} at this very armour"
+        return "; ".join([words, *phrases.tested_here(error)[2:]])  # the doubts
     return error.source.replace(" tests", "", 1)
 
 
 def changes(threat: CheckedThreat) -> str:
     """Return in a line what each small change gives: the probability of stopping, or else the limit by the model."""
-    known = threat.probability_of_stopping is not None
-    words = []
+    known, words = threat.probability_of_stopping is not None, []
     for each in threat.what_ifs:
         if known:
             words.append(f"{each.change} {phrases.chance(each.probability_of_stopping)}")
@@ -237,24 +238,24 @@ def _every_row(result: Any) -> bool:
 def next_step(result: CheckResult) -> tuple[str, str]:
     """Return the command to go on with after a check, and the words that follow it.
 
-    The command is "" if no command for the same scenario leads further; the words then say what does.
+    The command is "" if no command for the same scenario leads further; the words then say what does, if anything.
     """
-    threat = deciding(result)
+    threat, scenario = deciding(result), result.question["scenario"]
     if result.verdict == "passes":
         return "report", ""
     if result.verdict == "expected to stop":
         return "check", f"--probability {USUAL_PROBABILITY:g}"
     if not _is_modelled(threat):
         return "", "see docs/howto/confidence.md"
-    if threat.verdict not in ("fails", "passes") and result.question["scenario"].excludes_error():
-        return "", "without --by-model or uncertainty.model.included = false, tests may tell"
-    error = threat.model_error
-    if result.verdict in ("not known", "stopped by the model"):
-        settings = "" if error is not None else other_settings(result.question["scenario"])
-        own = "own tests decide: fire a V50 of this armour, then armour calibrate"
-        return "", f"without {settings}, tests may tell" if settings else own
+    by_model, error = threat.verdict not in ("fails", "passes") and scenario.excludes_error(), threat.model_error
+    if by_model or result.verdict in ("not known", "stopped by the model"):
+        return "", what_tells(result, "only own tests can decide: fire a V50 of this armour, then run armour calibrate")
     if error is not None and error.tests_here is not None and len(error.tests_here.limits_m_s) == 1:
-        return "", "a second V50 of this armour narrows it: armour calibrate"
+        return "", "a second V50 of this armour narrows the interval: fire it, then run armour calibrate"
+    try:
+        catalogue_of(scenario)
+    except InputError:
+        return "", ""
     return "optimise", ""
 
 
@@ -301,19 +302,20 @@ def checks_table(results: Sequence[CheckResult]) -> list[Table | str]:
         results,
         (Column("name", prose=True), name_of),
         (Column("armour", prose=True), lambda result: result.question["scenario"].armour_words()),
-        *_verdict_columns,
+        *_verdict_columns(results),
         (VERDICT, verdict_cell),
     )
     return [table, *_explained_mark(results)]
 
 
-# Columns of a table of armours, of which each row is a check.
-_verdict_columns: tuple[Source, ...] = (
-    (Column("kg/m²", spec=".1f"), attrgetter(AREAL_DENSITY.key)),
-    (Column("cost", spec=".0f"), attrgetter(COST.key)),
-    (LIMIT, lambda result: _marked_limit(deciding(result))),
-    (STOPS, lambda result: chance_text(deciding(result))),
-)
+def _verdict_columns(results: Sequence[CheckResult]) -> Iterator[Source]:
+    """Yield the columns of a table of armours, of which each row is a check; of several threats, it is of the worst."""
+    yield Column("kg/m²", spec=".1f"), attrgetter(AREAL_DENSITY.key)
+    yield Column("cost", spec=".0f"), attrgetter(COST.key)
+    if any(len(result.threats) > 1 for result in results):
+        yield Column("against", prose=True), lambda result: without_speed(deciding(result))
+    yield LIMIT, lambda result: _marked_limit(deciding(result))
+    yield STOPS, lambda result: chance_text(deciding(result))
 
 
 def _marked_limit(threat: CheckedThreat) -> str:
@@ -336,8 +338,7 @@ def check_summary(results: Sequence[CheckResult]) -> VerdictLine:
         threats = results[0].threats
         against = at_speed(threats[0]) if len(threats) == 1 else counted(len(threats), "threat")
         line += f" ({_required(threats[0])}, {against})"
-    is_good = {*found} <= {*GOOD}
-    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if is_good else False)
+    return VerdictLine(line, good=(True if {*found} == {"passes"} else None) if {*found} <= {*GOOD} else False)
 
 
 def check_report(results: Sequence[CheckResult], move_tables: Sequence[Table | str]) -> Report:
@@ -449,11 +450,14 @@ def design_in_a_line(result: DesignResult) -> str:
 
 
 def best_word(result: DesignResult) -> str:
-    """Return in what the design shown is best, as "lightest" or "lightest by the model"; "nearest" if none passes."""
+    """Return in what the design shown is best, as "lightest"; "nearest" if none passes.
+
+    Of designs that are not known to pass, it is the "lightest with tests" or, without any, the "lightest by the model".
+    """
     if result.reason == "none passes":
         return "nearest"
     by_model = any(threat.expected_limit_m_s is None for threat in result.shown.check.threats)
-    return OBJECTIVES[result.minimised].least + " by the model" * by_model
+    return OBJECTIVES[result.minimised].least + (" by the model" if by_model else " with tests" * bool(result.reason))
 
 
 def found_in_a_line(result: DesignResult) -> str:
@@ -472,12 +476,11 @@ def tables_of_design(result: DesignResult) -> list[Table | str]:
 
 def tables_of_search(result: DesignResult) -> list[Table | str]:
     """Return a row for each pair of materials and, with `every_row` in the question, frontier and Pareto front."""
-    shown = list[Table | str]()
-    if len(result.pairs) > 1:
-        shown += pair_table(result)
+    shown = pair_table(result) if len(result.pairs) > 1 else []
     if _every_row(result):
         if result.frontier:
-            shown.append(designs_table(result.frontier, "thinnest tile that holds on each plate"))
+            holds = "may hold" if result.reason else "holds"
+            shown.append(designs_table(result.frontier, f"thinnest tile that {holds} on each plate"))
         margin = [MARGIN] * (MARGIN_COLUMN in result.criteria)
         shown += [designs_table(result.pareto, "Pareto front", *margin)] if result.pareto else []
         shown.append(f"{counted(result.designs, 'design')} computed")
@@ -490,7 +493,7 @@ def nearly_as_good(result: DesignResult) -> str:
     others = (each for each in result.frontier if each.backing_thickness_mm != best.backing_thickness_mm)
     near = [each for each in others if value(each) <= 1.01 * value(best)]
     words = [sizes(each).removesuffix(" mm") for each in sorted(near, key=value)]
-    more = f" and {len(words) - MOST_NAMED} more (-v)" * (len(words) > MOST_NAMED)
+    more = f" and {len(words) - MOST_NAMED} more" * (len(words) > MOST_NAMED)
     return f"{', '.join(words[:MOST_NAMED])} mm{more}" if words and len(result.pairs) == 1 else ""
 
 
@@ -499,11 +502,12 @@ def pair_table(result: DesignResult) -> list[Table | str]:
     designs = [pair.best or pair.nearest for pair in result.pairs]
     checks = [each.check for each in designs if each is not None]
     alike = {check.verdict for check in checks} == {result.shown.check.verdict}
+    columns = *_verdict_columns(checks), *[(VERDICT, verdict_cell)] * (not alike)
     table = Table.of(
         zip(result.pairs, designs, strict=True),
         (Column("materials", prose=True), lambda row: pair_words(row[0])),
         *of_part(lambda row: row[1], (Column("best", prose=True), sizes)),
-        *of_part(lambda row: row[1] and row[1].check, *_verdict_columns, *[(VERDICT, verdict_cell)] * (not alike)),
+        *of_part(lambda row: row[1] and row[1].check, *columns),
         rest="--json",
     )
     metals = {pair.best.backing for pair in result.pairs if pair.best is not None and pair.best.ceramic}
@@ -513,15 +517,13 @@ def pair_table(result: DesignResult) -> list[Table | str]:
 
 def designs_table(designs: Sequence[Design], title: str, *margin: Column) -> Table:
     """Tabulate designs in a row each; `margin` is the column of the margin where it is a criterion."""
-    armour: Source = Column("armour", prose=True), armour_in_words
-    columns = armour, AREAL_DENSITY, THICKNESS, COST, *margin, FAR
+    columns = (Column("armour", prose=True), armour_in_words), AREAL_DENSITY, THICKNESS, COST, *margin, FAR
     return Table.of(designs, *columns, title=title, rest="--csv FILE")
 
 
 def design_csv(result: DesignResult) -> str:
     """Format designs as CSV: the Pareto front; without one, the frontier."""
     untested: Source = Column("tests", key="untested"), lambda design: "untested" if design.untested else ""
-    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST
-    margin = [MARGIN] * bool(result.pareto)
+    numbers = CERAMIC_THICKNESS, BACKING_THICKNESS, AREAL_DENSITY, THICKNESS, COST, *[MARGIN] * bool(result.pareto)
     designs = result.pareto or result.frontier
-    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, *margin, FAR))
+    return csv_text(Table.of(designs, Column.of("ceramic"), untested, Column.of("backing"), *numbers, FAR))

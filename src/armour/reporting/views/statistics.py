@@ -111,7 +111,7 @@ def tables_of_sensitivity(result: SensitivityResult) -> list[Table | str]:
         return [line, Table.of_facts(values), elasticity_table(result, answers)]
     table, rest = elasticity_table(result, answers[:1], MOST_INPUTS), result.inputs[MOST_INPUTS:]
     changes = [abs(item.elasticities[answers[0]] or 0.0) for item in rest if item.elasticities[answers[0]] is not None]
-    return [line, table, *([f"{len(changes)} more, each at most {max(changes):.2f} %, with -v"] if changes else [])]
+    return [line, table, *([f"{len(changes)} more, each at most {max(changes):.2f} %"] if changes else [])]
 
 
 @line_of.register
