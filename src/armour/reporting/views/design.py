@@ -70,13 +70,17 @@ def limit_text(threat: CheckedThreat) -> str:
     return "none found" if shown is None else beside(shown, threat.velocity_m_s + threat.required_margin_m_s, 0)
 
 
-def chance_text(threat: CheckedThreat) -> str:
-    """Format the probability of stopping a shot, as exact as the one required, with its interval if sampled."""
+def chance_text(threat: CheckedThreat, *notes: str) -> str:
+    """Format the probability of stopping a shot, as exact as the one required, with its interval if sampled.
+
+    This and the `notes` stand in one bracket.
+    """
+    words = phrases.chance(threat.probability_of_stopping, threat.model_error, threat.required_probability)
     if threat.sampled is not None and threat.probability_of_stopping is not None:
         ends = 1.0 - threat.sampled.high, 1.0 - threat.sampled.low
         value, low, high = phrases.sampled_percents(threat.probability_of_stopping, ends)
-        return f"{value:.1f} % (sampled {low:.1f} to {high:.1f} %)"
-    return phrases.chance(threat.probability_of_stopping, threat.model_error, threat.required_probability)
+        words, notes = f"{value:.1f} %", (f"sampled {low:.1f} to {high:.1f} %", *notes)
+    return f"{words} ({', '.join(notes)})" if notes else words
 
 
 def reasons(threat: CheckedThreat) -> str:
@@ -93,7 +97,7 @@ def reasons(threat: CheckedThreat) -> str:
     if threat.probability_of_stopping is not None:
         if threat.verdict == "not known" and threat.sampled is None:
             return f"stops a shot of {name} with at most {chance_text(threat)} so far from the tests ({required})"
-        likely = f"{chance_text(threat)} ({required})".replace(") (", ", ")  # of a sampled one, both in one bracket
+        likely = chance_text(threat, required)
         if threat.verdict == "expected to stop":
             return f"a shot of {name}, with {likely}"
         return f"stops a shot of {name} with {likely}"
