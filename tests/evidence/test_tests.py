@@ -142,7 +142,7 @@ def test_an_unusual_armour_is_outside_by_more_than_a_factor_of_two(field: str, l
 
 
 def test_what_is_far_from_the_tests_is_told_with_what_was_tested():
-    """A thickness counts from 10 % beyond the range, which is that of Wilkins, rounded inwards."""
+    """A thickness counts from 10 % beyond the range, which is that of Wilkins, rounded outwards."""
     case, diameter_mm = scenario(), 6.5
     tested = what_was_tested(case.impact, armours_of(case))
     assert tested.thicknesses_mm["tile"] == pytest.approx((0.89 * diameter_mm, 1.21 * diameter_mm), rel=0.01)

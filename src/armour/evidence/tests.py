@@ -440,7 +440,7 @@ class Far(NamedTuple):
     """One thing in which an armour or a threat is far from the tests, in words."""
 
     found: str  # such as "12 mm tile"
-    tested: str = ""  # what was tested instead, such as "tested 5.8 to 7.8 mm"
+    tested: str = ""  # what was tested instead, such as "tested 5.7 to 7.9 mm"
 
     def __str__(self) -> str:
         return f"{self.found} ({self.tested})" if self.tested else self.found
