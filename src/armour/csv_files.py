@@ -538,13 +538,16 @@ def _check_not_dividing(source: Source, name: str, cells: Sequence[str], noun: s
     """Record as wrong if a column that is not read divides the rows into groups: some cells equal, others different.
 
     Numbers of which more than half differ are measured, and divide the rows only if they lie in two groups far apart,
-    as yaw angles do of which some are too great.
+    as yaw angles do of which some are too great.  Lengths that differ from test to test may be inputs.
     """
     values, mark = {*cells}, decimal_mark(cells, Column(name), source.separator) or "."
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
-    if len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
+    if noun == "test" and Column(name).key_unit == "mm" and len(values) > 1:
+        ways = f"name an input by its key, as armour.ceramic_thickness_mm; --ignore {shell_line([name])} leaves it out"
+        source.wrong(name, f"is not read and differs from test to test; {ways}")
+    elif len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
         if 1 < len(values) < len(cells):
             source.divided(name, cells, noun, "is not read and ")
     elif len(measured) >= LEAST_GROUPED and high - low > GAP * max(low - measured[0], measured[-1] - high):
