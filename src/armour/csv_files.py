@@ -10,6 +10,7 @@ from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice, pairwise
 from math import isclose, isfinite, nan
+from operator import ne
 from os import PathLike
 from pathlib import Path
 from statistics import fmean
@@ -469,15 +470,14 @@ def read_rows(
                 warnings.append(_remarks_quoted(name, rows, cells))
             elif index in unread and closed:
                 _check_not_dividing(source, name, cells, kind.noun)
-    equal = _repeated_shots(source, kind.texts[0], rows, lines)
+    repeated = _repeated_shots(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(source.file, "", "must have rows that count")])
     notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
     notes += [f"mean of {joined(names)}" for names in averaged]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
-    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
-    told = source.told(counted(len(rows), kind.noun), notes)
+    told = source.told(counted(len(rows), kind.noun), [*notes, *repeated])
     digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
     read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
     return CsvTable(rows, read, groups)
@@ -726,19 +726,27 @@ def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[L
 
 
 def _repeated_shots(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
-    """Return the places of shots without a name that equal earlier ones; any other repeated row is recorded as wrong.
+    """Return in words which shots without a name equal earlier ones, and which have the number of an earlier one.
 
-    `naming` is the key of the column of names.
+    Any other repeated row, and a shot with two results, are recorded as wrong; `naming` is the key of the column of
+    names.
     """
     places: dict[tuple[str, ...], str] = {}
-    equal = []
+    named: dict[str, tuple[CsvRow, Sequence[str]]] = {}
+    told = dict[str, list[str]]()
     for row, (place, cells) in zip(rows, lines, strict=True):
         first = places.setdefault(tuple(cells), place)
+        other, others = named.setdefault(row.texts.get(naming, place), (row, cells))
+        results = [each.texts.get("result") for each in (row, other)]
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
-            equal.append(place)
+            told.setdefault("equal to an earlier row", []).append(place)
         elif first != place:
             source.wrong(place, f"repeats {first}; if both are meant, name them apart in the column {naming}")
-    return equal
+        elif results[0] != results[1] and sum(map(ne, cells, others)) == 1:
+            source.wrong(place, f"differs from {other.place} in the result alone; leave out the one that is wrong")
+        elif other is not row and results[0]:
+            told.setdefault("with the number of an earlier shot", []).append(place)
+    return [f"{listed(each)} {words}, counted" for words, each in told.items()]
 
 
 def decimal_mark(cells: Iterable[str], column: Column, separator: str) -> str | None:

@@ -115,6 +115,10 @@ def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
     shots = shots_of(tmp_path, "velocity_m_s,result\n700,P\n700,P\n720,C\n")
     assert (shots.velocities_m_s, shots.complete) == ((700.0, 700.0, 720.0), (False, False, True))
     assert "line 3 equal to an earlier row, counted" in str(shots.read)
+    other = shots_of(tmp_path, "shot,velocity_m_s,result\n1,800,P\n1,801,P\n2,810,C\n")
+    assert "line 3 with the number of an earlier shot, counted" in str(other.read)
+    with pytest.raises(InputError, match="line 3: differs from line 2 in the result alone; leave out the one that is"):
+        shots_of(tmp_path, "shot,velocity_m_s,result\n1,800,P\n1,800,C\n2,810,C\n")
     with pytest.raises(InputError, match="line 3: repeats line 2"):
         shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,700,P\n2,720,C\n")
 

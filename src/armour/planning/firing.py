@@ -232,6 +232,9 @@ def plan_shots(
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
+    if limit or limits_m_s:
+        far = (far_from(expectation.limit_m_s, velocity) for velocity in shots.velocities_m_s)
+        refuse(Problem(shots.file, "velocity_m_s", message) for message in [*filter(None, far)][:1])
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
@@ -357,5 +360,5 @@ def far_from(limit_m_s: float, velocity_m_s: float) -> str:
     """Return the message that a velocity is too far from the expected V50, `limit_m_s`, to be right, else ""."""
     if limit_m_s / 3.0 <= velocity_m_s <= limit_m_s * 3.0:
         return ""
-    near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"
+    near = f"must be between a third of the expected V50, {limit_m_s:.0f} m/s, and three times it"
     return f"{near}, found {velocity_m_s:g}; is it in m/s?"
