@@ -95,7 +95,9 @@ class Source:
         `places` are those of the rows that count.
         """
         for place in self.marked.keys() & {*places}:
-            self.wrong(place, f"must not be {self.marked[place]} if it counts; show it, or let a column counts say no")
+            self.wrong(
+                place, f'must not be {self.marked[place]} if it counts; show it, or write "no" in a column "counts"'
+            )
 
     def divided(self, name: str, cells: Sequence[str], noun: str, unread: str = "") -> None:
         """Record as wrong that the values of a column divide the rows into groups, and which options help.
@@ -106,8 +108,8 @@ class Source:
         found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
         options, word = ("--where", f"{name}={counts[0][0]}"), shell_line([name])
         are_lots = noun == "shot" and counts[-1][1] > 1 and "" not in cells and None in map(is_yes, cells)
-        each = f", --each {word} answers for each" * are_lots
-        ways = f"{shell_line(options)} chooses{each}, --ignore {word} counts all"
+        each = f"--each {word} gives an answer for each, " * are_lots
+        ways = f"{shell_line(options)} chooses one, {each}--ignore {word} takes all together"
         self.wrong(name, f"{unread}divides the {noun}s: {found}; {ways}")
         self.options += options
 
@@ -551,7 +553,7 @@ def _check_not_dividing(source: Source, name: str, cells: Sequence[str], noun: s
         if 1 < len(values) < len(cells):
             source.divided(name, cells, noun, "is not read and ")
     elif len(measured) >= LEAST_GROUPED and high - low > GAP * max(low - measured[0], measured[-1] - high):
-        ways = f"a column counts leaves {noun}s out, --ignore {shell_line([name])} counts all"
+        ways = f'a column "counts" with "no" leaves {noun}s out, --ignore {shell_line([name])} counts all'
         source.wrong(name, f"is not read and divides the {noun}s: up to {low:g}, from {high:g}; {ways}")
 
 

@@ -39,7 +39,7 @@ def test_a_file_that_does_not_exist_yet_is_a_firing_without_shots(cli, folder: P
 def test_a_shot_without_its_velocity_has_the_planned_one_which_is_said(cli, folder: Path):
     said = cli(*PLAIN, "--result", "P").stderr
     [_header, shot] = rows(folder / "f.csv")
-    assert f"note: f.csv: records the planned {shot.split(',')[1]} m/s\n" in said
+    assert f"note: f.csv: recorded the planned {shot.split(',')[1]} m/s, as --velocity-m-s was not given\n" in said
     assert "note: f.csv" not in cli(*PLAIN, "--result", "P", "--velocity-m-s", "730").stderr
 
 
@@ -65,8 +65,8 @@ def test_a_shot_is_taken_back(cli, folder: Path):
     assert (folder / "f.csv").read_text() == before
     assert cli(*PLAIN, "--undo").exit_code == 0
     assert cli.fails(2, *PLAIN, "--undo") == ["f.csv: must have a shot to take back, found none"]
-    assert cli.fails(2, "plan", "shots", "wilkins", "--undo") == ["command line: --undo: must be given with SHOTS"]
-    assert cli.fails(2, *PLAIN, "--undo", "--result", "P") == ["command line: --undo: must be given without --result"]
+    assert cli.fails(2, "plan", "shots", "wilkins", "--undo") == ["command line: --undo: needs SHOTS"]
+    assert cli.fails(2, *PLAIN, "--undo", "--result", "P") == ["command line: --undo: cannot be combined with --result"]
 
 
 def test_a_shot_at_another_armour_is_refused(cli, folder: Path):

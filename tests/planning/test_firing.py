@@ -97,7 +97,7 @@ def test_without_a_scenario_limits_or_shots_say_where_v50_may_be():
     assert plan.next_velocity_m_s is not None
     given = plan_shots(limits_m_s=(700.0, 900.0))
     assert given.prior.v50_interval_m_s == pytest.approx((700.0, 900.0), rel=0.01)
-    with pytest.raises(InputError, match="scenario: must be given, or shots, or limits of V50"):
+    with pytest.raises(InputError, match="scenario: give a scenario, a table of shots, or --lower"):
         plan_shots()
     with pytest.raises(InputError, match="limits_m_s: must not be given with bayesian where the model error is known"):
         plan_shots(scenario(), limits_m_s=(700.0, 900.0))
@@ -127,7 +127,10 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_is_wide():
     [
         ({"requirement_fraction": 0.1}, "requirement_fraction: must not be given without a requirement"),
         ({"limits_m_s": (600.0, 900.0)}, "limits_m_s: must not be given with bayesian"),
-        ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: must rise, found 900 and 600"),
+        (
+            {"limits_m_s": (900.0, 600.0), "procedure": "neyer"},
+            "limits_m_s: the lower limit must be less than the upper one, found 900 and 600",
+        ),
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
         ({"requirement_m_s": 700.0, "half_width_m_s": 9.0}, "half_width_m_s: must not be given with a requirement"),
         ({"limits_m_s": (700.0,), "procedure": "langlie"}, r"limits_m_s\[1\]: is missing and must be given"),

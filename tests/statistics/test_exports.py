@@ -181,8 +181,12 @@ def with_column(folder: Path, name: str, cells: str, **settings: object) -> armo
 @pytest.mark.parametrize(
     ("name", "cells", "message"),
     [
-        ("Unfair hit", "||||x||", "blank (6 shots), x (1 shot); --where 'Unfair hit=' chooses, --ignore 'Unfair hit'"),
-        ("void", "no|no|yes|no|no|no|no", "no (6 shots), yes (1 shot); --where void=no chooses, --ignore void"),
+        (
+            "Unfair hit",
+            "||||x||",
+            "blank (6 shots), x (1 shot); --where 'Unfair hit=' chooses one, --ignore 'Unfair hit'",
+        ),
+        ("void", "no|no|yes|no|no|no|no", "no (6 shots), yes (1 shot); --where void=no chooses one, --ignore void"),
         ("G\u00fcltiger Treffer", "ja|ja|ja|ja|ja|ja|nein", "ja (6 shots), nein (1 shot); --where 'G\u00fcltiger Tr"),
         ("Ausrei\u00dfer", "||||||ja", "blank (6 shots), ja (1 shot)"),
         ("Remarks", "|NFH|spall on witness||||", "blank (5 shots), NFH (1 shot), spall on witness (1 shot)"),
@@ -190,13 +194,21 @@ def with_column(folder: Path, name: str, cells: str, **settings: object) -> armo
         (
             "operator",
             "A|A|B|B|B|B|B",
-            "B (5 shots), A (2 shots); --where operator=B chooses, --each operator answers for",
+            "B (5 shots), A (2 shots); --where operator=B chooses one, --each operator gives an",
         ),
         ("tile", "8|8|8|8|10|10|10", "8 (4 shots), 10 (3 shots)"),
-        ("yaw", "0.4|1.2|0.8|2.1|1.1|6.4|0.9", "up to 2.1, from 6.4; a column counts leaves shots out, --ignore yaw"),
+        (
+            "yaw",
+            "0.4|1.2|0.8|2.1|1.1|6.4|0.9",
+            'up to 2.1, from 6.4; a column "counts" with "no" leaves shots out, --ignore yaw',
+        ),
         ("yaw", "0.4|1.2|7.3|2.1|1.1|6.4|8.1", "up to 2.1, from 6.4"),
         ("Temp", "-40.1|-39.5|-40.3|60.2|59.9|60.1|-39.9", "up to -39.5, from 59.9"),
-        ("", "A|A|B|A|A|A|A", "A (6 shots), B (1 shot); --where 'column 3=A' chooses, --ignore 'column 3' counts all"),
+        (
+            "",
+            "A|A|B|A|A|A|A",
+            "A (6 shots), B (1 shot); --where 'column 3=A' chooses one, --ignore 'column 3' takes all",
+        ),
     ],
 )
 def test_a_column_that_is_not_read_and_divides_the_shots_is_refused(
@@ -245,7 +257,7 @@ def test_remarks_are_quoted_with_their_rows(tmp_path: Path):
 def test_no_requirement_is_decided_over_remarks_that_are_not_read(tmp_path: Path):
     shots = with_column(tmp_path, "Remarks", "||yaw 6 deg||||")
     for decide in (armour.v50, lambda fired, **options: armour.plan_shots(shots=fired, **options)):
-        with pytest.raises(InputError, match='says "yaw 6 deg" in line 4; for a requirement, leave shots out by'):
+        with pytest.raises(InputError, match='says "yaw 6 deg" in line 4; for a requirement, a column "counts" with'):
             decide(shots, requirement_m_s=600.0)
 
 

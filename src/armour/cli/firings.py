@@ -99,7 +99,7 @@ def plan_after(
     source = open_table(table, is_of_shots, content=content)
     after = plan(say_how_read(table, shots_of(source, one_kind=True, where=choice.where, ignore=choice.ignore)))
     if velocity_m_s is None:
-        say(f"note: {table}: records the planned {velocity:g} m/s")
+        say(f"note: {table}: recorded the planned {velocity:g} m/s, as --velocity-m-s was not given")
     return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
 
 

@@ -223,11 +223,13 @@ def plan_shots(
     if requirement_fraction != 0.5 and not required:
         conflicts["requirement_fraction"] = "must not be given without a requirement"
     if required and procedure in LIMITED:
-        conflicts["requirement_m_s"] = f"must not be given with {procedure}, which has no requirement"
+        conflicts["requirement_m_s"] = f"must not be given with {procedure}, which cannot decide on a requirement"
     if half_width_m_s and required and is_bayesian:
         conflicts["half_width_m_s"] = "must not be given with a requirement, which ends the firing"
     if limits_m_s and limits_m_s[0] >= limits_m_s[1]:
-        conflicts["limits_m_s"] = "must rise, found {:g} and {:g}".format(*limits_m_s)
+        conflicts["limits_m_s"] = "the lower limit must be less than the upper one, found {:g} and {:g}".format(
+            *limits_m_s
+        )
     refuse(Problem("plan_shots", key, message) for key, message in conflicts.items())
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
@@ -307,7 +309,7 @@ def _expected_v50(
         low, high = min(low, (1.0 - WIDE) * middle), max(high, (1.0 + WIDE) * middle)
         source = f"within {100.0 * WIDE:g} % of the middle of the shots"
     else:
-        raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
+        raise mistake("plan_shots", "scenario", "give a scenario, a table of shots, or --lower-m-s and --upper-m-s")
     middle = 0.5 * (low + high)
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 

@@ -123,7 +123,10 @@ def _own_tests(reported: Scenario) -> Iterator[ReportSection]:
         if entry.evidence is not None and tests:
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
             keys = dict.fromkeys(key for test in tests for key in test)
-            columns = ((Column.of(key), lambda test, key=key: test.get(key)) for key in keys)
+            columns = (
+                (Column.of(key, label=key if key == "outcome" else ""), lambda test, key=key: test.get(key))
+                for key in keys
+            )
             yield ReportSection("Own tests", (source,), tables=(Table.of(tests, *columns),))
 
 

@@ -744,11 +744,12 @@ def check_shots(shots: Shots, *, kinds: int, decides: bool = False) -> None:
         present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
         message = f"must have at least one {least}, found {present}"
-        message += "; armour plan shots gives the next velocity, or decides a requirement" * (count > 0)
+        more = "; armour plan shots gives the next velocity, and decides on a requirement with results of one kind"
+        message += more * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
     remarks = shots.read.warnings if shots.read and decides else ()
-    remedy = "for a requirement, leave shots out by a column counts, or --ignore this one"
+    remedy = 'for a requirement, a column "counts" with "no" leaves shots out; or --ignore this one'
     refuse(Problem(shots.file, "", f"{remark}; {remedy}") for remark in remarks)
 
 
