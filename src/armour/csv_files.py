@@ -449,7 +449,7 @@ def read_rows(
     """
     columns, where = columns_of(source.header, kind.keys), where or {}
     chosen = [(i, str(value)) for name, value in where.items() for i in places_of(source, columns, name)]
-    unwanted = {i for name in ignore for i in named_places(source, columns, name)}
+    unwanted = {i for name in ignore for i in places_of(source, columns, name, "--ignore")}
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
     unread = {i for i, each in enumerate(columns) if not each.known and not each.averaged} - {*dict(chosen)} - unwanted
     columns, every, reasons = _usable_lines(source, kind, columns, unread, least)
@@ -476,6 +476,12 @@ def read_rows(
     if len(rows) < least:
         raise InputError(source.problems or [Problem(source.file, "", "must have rows that count")])
     notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
+    for index, value in chosen:
+        others = [cells[index] for place, cells in every if reasons.get(place) == index]
+        plain = [text.lower().replace(" ", "") for text in (value, *others)]
+        alike = ", ".join(sorted({other for other, text in zip(others, plain[1:], strict=True) if text == plain[0]}))
+        also = f", even {alike}, which differs in case or blanks alone" * bool(alike)
+        notes += [f"without {counted(len(others), 'row')} of other {source.title(index)}{also}"] * bool(others)
     notes += [f"mean of {joined(names)}" for names in averaged]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
@@ -685,7 +691,7 @@ def _chosen_lines(
         name, values = source.title(index), dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
             message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
-            raise mistake(source.file, f"where {name}", message)
+            raise mistake(source.file, f"--where {name}", message)
         if columns[index].known and columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
             refuse(not_filled(source.file, name, blank))
@@ -694,10 +700,10 @@ def _chosen_lines(
     return lines
 
 
-def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "where") -> list[int]:
+def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "--where") -> list[int]:
     """Return the indices of the columns that a name in an option means; raise an InputError if there is none."""
     if not (places := named_places(source, columns, name)):
-        raise mistake(source.file, option, f'must name a column, found "{name}"')
+        raise mistake(source.file, option, f'must name a column, found "{name}"{choices(name, source.header)}')
     return places
 
 
@@ -721,7 +727,9 @@ def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[L
     for (place, _), cell in zip(lines, columns[index].words([cells[index] for _, cells in lines]), strict=True):
         counts = columns[index].says(cell)
         if counts is None and place not in places:
-            source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
+            source.wrong(
+                f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"; "no" leaves the row out'
+            )
         elif not counts:
             places[place] = index
     return places
@@ -812,8 +820,9 @@ def targets_of(source: Source, table: CsvTable, name: str, perforated: Sequence[
 
 def wrong_result(text: str) -> str:
     """Return the message on a text that is neither "stopped" nor "perforated", nor another word for one."""
-    hint = '; such a column needs the name "perforated" or "stopped"' if is_yes(text) is not None else ""
-    return f'{MUST_SAY}, found "{text}"{hint}'
+    hint = 'a column "counts" with "no" leaves it out'
+    hint = hint if is_yes(text) is None else 'such a column needs the name "perforated" or "stopped"'
+    return f'{MUST_SAY}, found "{text}"; {hint}'
 
 
 def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:

@@ -54,7 +54,7 @@ def test_how_a_table_was_read_is_said_once(cli, folder: Path):
     for words in (["v50", "t.csv"], ["plan", "shots", "t.csv", *SOON], ["calibrate", "t.csv", "wilkins"]):
         noun = "tests" if words[0] == "calibrate" else "shots"
         [line] = [line for line in cli(*words, "--where", "panel=A").stderr.splitlines() if line.startswith("read ")]
-        assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
+        assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A, without 3 rows of other Panel"
     line, way_on = cli.fails(2, "v50", "t.csv")
     assert line.startswith(
         "t.csv: Panel: divides the shots: A (2 shots), B (2 shots); --where Panel=A chooses one, --each Panel gives"
@@ -130,7 +130,9 @@ def test_an_answer_for_each_panel(cli, folder: Path):
         ]
     told = cli.fails(2, "v50", "t.csv", "--each", "panel", "--csv", "x.csv")
     assert told == ["command line: --csv: cannot be combined with --each"]
-    assert cli.fails(2, "v50", "t.csv", "--each", "Lot") == ['t.csv: --each: must name a column, found "Lot"']
+    for option, word in (("--each", "Lot"), ("--where", "Lot=A"), ("--ignore", "Lot")):
+        [told] = cli.fails(2, "v50", "t.csv", option, word)
+        assert told.startswith(f't.csv: {option}: must name a column, found "Lot"; choose from Shot No, V (ft/s)')
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
         'command line: --where: must be COLUMN=VALUE, found the text "A"'
     ]

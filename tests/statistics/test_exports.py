@@ -332,15 +332,16 @@ def test_names_of_panels_may_have_a_word_for_number(tmp_path: Path, name: str):
 
 
 def test_tests_of_several_lots_are_not_one_lot(tmp_path: Path):
-    text = "Los Nr.;ballistic_limit_m_s;armour.ceramic_thickness_mm;Wetter\n7;700;8;nass\n8;760;8;nass\n"
+    text = "Los Nr.;ballistic_limit_m_s;armour.ceramic_thickness_mm;Wetter\na;700;8;nass\nA;760;8;nass\n"
     (tmp_path / "t.csv").write_text(text)
     with pytest.raises(
-        InputError, match=r"Los Nr\.: divides the tests: 7 \(1 test\), 8 \(1 test\); --where 'Los Nr\.=7'"
+        InputError, match=r"Los Nr\.: divides the tests: a \(1 test\), A \(1 test\); --where 'Los Nr\.=a'"
     ):
         armour.read_tests(tmp_path / "t.csv", scenario())
-    tests = armour.read_tests(tmp_path / "t.csv", scenario(), where={"lot": "8"})
+    tests = armour.read_tests(tmp_path / "t.csv", scenario(), where={"lot": "A"})
     assert [m.value for m in tests.measurements] == [760.0]
-    assert known(tests.read).words == "semicolons, 1 test, lot 8, without Wetter"
+    others = "without 1 row of other Los Nr., even a, which differs in case or blanks alone"
+    assert known(tests.read).words == f"semicolons, 1 test, lot A, {others}, without Wetter"
 
 
 def test_several_panels_are_not_pooled(tmp_path: Path):

@@ -208,6 +208,10 @@ def read_open_tests(
         row.texts[VELOCITY], row.texts[OUTCOME] = row.texts.pop(LIMIT), bounds[row.place]
         if LIMIT in row.numbers:
             row.numbers[VELOCITY] = row.numbers.pop(LIMIT)
+    if not any({*MEASURED, OUTCOME} & row.texts.keys() for row in rows):
+        found = f"one of {', '.join((*MEASURED, OUTCOME))}, found {joined(source.header)}"
+        source.wrong("", f"must have a column of a measurement with values, {found}")
+        source.refuse()
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     # A shot needs its velocity, a limit has none.
