@@ -148,7 +148,7 @@ def test_no_row_is_left_out_without_a_cross(tmp_path: Path):
     assert shots_of(tmp_path, "velocity_m_s,result,Rejected\n700,P,\n720,C,\n").velocities_m_s == (700.0, 720.0)
     with pytest.raises(InputError, match='Accepted: must be yes or no, found ""'):
         shots_of(tmp_path, "velocity_m_s,result,Accepted\n700,P,\n720,C,\n")
-    with pytest.raises(InputError, match="line 2: result: must be"):
+    with pytest.raises(InputError, match="line 2: perforated: must be"):
         shots_of(tmp_path, "velocity_m_s,perforated\n700,\n720,\n", one_kind=True)
 
 
@@ -463,7 +463,11 @@ def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     book.save(path)
     assert armour.read_shots(path).velocities_m_s == pytest.approx((2415.3 * FEET, 2498.7 * FEET))
     assert "sheet Sheet" in known(armour.read_shots(path).read).words
-    book["second"]["A2"] = book["second"]["A3"] = "=1*2"
+    book["second"]["A3"] = "=1*2"
+    book.save(path)
+    with pytest.raises(InputError, match="row 3: velocity_m_s: is missing and must be given; a formula without a calc"):
+        armour.read_shots(path, sheet="second")
+    book["second"]["A2"] = "=1*2"
     book.save(path)
     with pytest.raises(InputError, match="velocity_m_s: must have values, found none; save the workbook after"):
         armour.read_shots(path, sheet="second")

@@ -443,15 +443,19 @@ def shots_of(
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
     results = [perforates(text) for text in words]
+    formula = "; a formula without a calculated value: open and save the workbook" * bool(source.sheet)
+    columns = zip(columns_of(source.header, SHOTS.keys), source.header, strict=True)
+    names_of = {column.key: name for column, name in reversed([*columns])}
+    of_velocity, of_result = names_of["velocity_m_s"], names_of["result"]
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
         if not written:
-            source.wrong(f"{row.place}: velocity_m_s", "is missing and must be given")
+            source.wrong(f"{row.place}: {of_velocity}", f"is missing and must be given{formula}")
         elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
-            source.wrong(f"{row.place}: velocity_m_s", f"{message}; is it in m/s?")
+            source.wrong(f"{row.place}: {of_velocity}", f"{message}; is it in m/s?")
         if result is None:
-            source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
+            source.wrong(f"{row.place}: {of_result}", csv_files.wrong_result(text))
     for name, values in table.groups.items():
         if len({*values}) > 1 and csv_files.targets_of(source, table, name, results):
             source.divided(name, values, "shot")
