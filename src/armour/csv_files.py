@@ -95,9 +95,7 @@ class Source:
         `places` are those of the rows that count.
         """
         for place in self.marked.keys() & {*places}:
-            self.wrong(
-                place, f'must not be {self.marked[place]} if it counts; show it, or write "no" in a column "counts"'
-            )
+            self.wrong(place, f'must not be {self.marked[place]} if it counts; show it, or "no" in a column "counts"')
 
     def divided(self, name: str, cells: Sequence[str], noun: str, unread: str = "") -> None:
         """Record as wrong that the values of a column divide the rows into groups, and which options help.
@@ -478,8 +476,7 @@ def read_rows(
     notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
     for index, value in chosen:
         others = [cells[index] for place, cells in every if reasons.get(place) == index]
-        plain = [text.lower().replace(" ", "") for text in (value, *others)]
-        alike = ", ".join(sorted({other for other, text in zip(others, plain[1:], strict=True) if text == plain[0]}))
+        alike = ", ".join({cell: 0 for cell in others if cell.lower().split() == value.lower().split()})
         also = f", even {alike}, which differs in case or blanks alone" * bool(alike)
         notes += [f"without {counted(len(others), 'row')} of other {source.title(index)}{also}"] * bool(others)
     notes += [f"mean of {joined(names)}" for names in averaged]
@@ -727,9 +724,7 @@ def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[L
     for (place, _), cell in zip(lines, columns[index].words([cells[index] for _, cells in lines]), strict=True):
         counts = columns[index].says(cell)
         if counts is None and place not in places:
-            source.wrong(
-                f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"; "no" leaves the row out'
-            )
+            source.wrong(f"{place}: {source.header[index]}", f'must be yes or no, found "{cell}"')
         elif not counts:
             places[place] = index
     return places

@@ -1,6 +1,5 @@
 """Commands on tests of armours: estimate from them, and plan the next shot."""
 
-from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -29,10 +28,7 @@ FIT = "Input to fit, by default the ceramic's flow stress; repeatable."
 WHERE = options.text("Read only rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 IGNORE = options.text("Do not read this column, and count all rows whatever it says; repeatable.", metavar="COLUMN")
 EACH = options.text("Give an answer for each value of this column, such as lot.", metavar="COLUMN")
-PAIRS = (
-    "Shots of each kind in the MIL-STD-662F mean; by default the largest of 5, 3 and 2 whose shots lie within the span "
-    "allowed."
-)
+PAIRS = "Shots of each kind in the MIL-STD-662F mean; by default the largest of 5, 3 and 2 that the span allows."
 REQUIREMENT_FRACTION = options.share("Fraction that may perforate at the required velocity; by default 0.5, for V50.")
 SCATTER_FACTOR = "Geometric standard deviation of the scatter about the expected one; by default 2.0."
 # Options, by the parameters of `plan_shots` that messages about the limits of V50 name.
@@ -90,9 +86,8 @@ def v50(
     check_outputs(*outputs, inputs=[table, loaded], force=force)
     only_one = "cannot be combined with --each"
     check_options(("--csv", csv and each is not None, only_one), ("--plot", plot and each is not None, only_one))
-    asked = options.given(
-        requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction, confidence=confidence
-    )
+    asked = options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
+    asked |= options.given(confidence=confidence)
     settings = asked | options.given(pairs=pairs, span_m_s=span_m_s, prior=prior, at_m_s=at_m_s, fraction=fraction)
     choice = Choice(chosen(where), ignore or (), sheet)
     with progress("impacts") as count, runner.as_options("v50"):
@@ -111,9 +106,7 @@ def v50(
     }
     answer(found, loaded, files, plot=plot, file=_files_read(table, loaded), as_json=as_json, verbose=verbose)
     if each is None and found.decision == "not decided":
-        _propose(
-            "plan_shots", (table, scenario), changes, asked | options.given(where=where, ignore=ignore, sheet=sheet)
-        )
+        _propose("plan_shots", table, scenario, changes, asked | options.given(where=where, ignore=ignore, sheet=sheet))
     elif each is None and loaded is not None and not found.decision and found.bounded_confidence == CONFIDENCE:
         low, high = found.bounded_interval_m_s
         measured = f"{found.recommended.v50_m_s:.0f} ± {0.25 * (high - low):.0f} m/s"
@@ -196,12 +189,12 @@ def _table_and_scenario(first: Any, second: Any) -> tuple[Any, Any]:
     return (second, first) if is_table else (first, second)
 
 
-def _propose(command: str, files: Sequence[Path | None], changes: Sequence[str] | None, asked: dict[str, Any]) -> None:
+def _propose(command: str, table: Any, scenario: Any, changes: list[str] | None, asked: dict[str, Any]) -> None:
     """Print the command to go on with on the same files; `asked` are the options given that its question repeats."""
-    words = ["armour", *command.split("_"), *(runner.source_word(file) for file in files if file is not None)]
+    words = ["armour", *command.split("_"), *map(runner.source_word, filter(None, (table, scenario)))]
     for name, value in (asked | {"set": runner.accepted(changes or (), ANSWERS[command].reads)}).items():
-        each_value = value if isinstance(value, list) else [value]
-        words += [word for each in each_value for word in (f"--{name.replace('_', '-')}", str(each))]
+        for each in value if isinstance(value, list) else [value]:
+            words += [f"--{name.replace('_', '-')}", str(each)]
     runner.propose(shell_line(words))
 
 
@@ -228,7 +221,7 @@ def plan_shots(
     half_width_m_s: Any = options.number("Half width of the interval of V50 that ends the firing, m/s; by default 15."),
     confidence: Any = options.share("Confidence level of the interval, and of the requirement; by default 0.95."),
     requirement_m_s: Any = options.number(
-        "Required velocity, m/s; the firing ends when the shots decide whether it is met."
+        "Required velocity, m/s; the firing ends once the shots decide if it is met."
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     scatter_percent: Any = options.number("Expected scatter, the standard deviation, in % of V50; by default 2.0."),
@@ -274,8 +267,7 @@ def plan_shots(
     not_a_number = f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}"
     excluded_by_change = {"--sheet": sheet, "--each": each, "--undo": undo and is_fired}
     check_options(
-        ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
-        ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
+        ("--lower-m-s, --upper-m-s", (lower_m_s is None) != (upper_m_s is None), "must be given together"),
         *((name, table is None and value, "needs SHOTS") for name, value in needing_table.items()),
         *((name, updated and value, f"cannot be combined with {change}") for name, value in excluded_by_change.items()),
         ("--velocity-m-s", velocity_m_s is not None and not is_fired, "needs --result"),
@@ -306,7 +298,7 @@ def plan_shots(
             raise typer.Exit(runner.NO_ANSWER)
     elif planned.next_velocity_m_s is None and len({*planned.fired.complete}) == 2:
         asked = options.given(confidence=confidence, where=where, ignore=ignore, sheet=sheet)
-        _propose("v50", (table, scenario), changes, asked)
+        _propose("v50", table, scenario, changes, asked)
     elif planned.next_velocity_m_s is not None and updated is None:
         shot_words = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
         runner.propose(f"after the shot, repeat this command with {'' if table else 'shots.csv '}{shot_words}")

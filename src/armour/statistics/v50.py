@@ -444,9 +444,8 @@ def shots_of(
     words = [row.texts.get("result", "") for row in rows]
     results = [perforates(text) for text in words]
     formula = "; a formula without a calculated value: open and save the workbook" * bool(source.sheet)
-    columns = zip(columns_of(source.header, SHOTS.keys), source.header, strict=True)
-    names_of = {column.key: name for column, name in reversed([*columns])}
-    of_velocity, of_result = names_of["velocity_m_s"], names_of["result"]
+    keys = [column.key for column in columns_of(source.header, SHOTS.keys)]
+    of_velocity, of_result = (source.title(keys.index(key)) for key in SHOTS.needed)
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
         if not written:

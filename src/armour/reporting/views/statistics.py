@@ -350,16 +350,11 @@ def estimates(result: FiringResult) -> list[Table | str]:
 def _facts_of(result: FiringResult) -> dict[str, str]:
     """Return what V50 rests on, by label."""
     mean, fit, posterior, facts = result.mean, result.recommended, result.posterior, dict[str, str]()
-    if mean is None:
-        means = (
-            (f"{m.pairs} + {m.pairs} within {round(m.span_m_s, 1):g} m/s", m.span_allowed_m_s) for m in result.means
-        )
-        spans = [f"{within}, {round(allowed, 1):g} allowed" for within, allowed in means]
-        facts["mean"] = f"none: {'; '.join(spans) or 'too few shots of each kind'}"
-    else:
-        span, allowed = (round(each, 1) for each in (mean.span_m_s, mean.span_allowed_m_s))
-        shots = f"{mean.pairs} + {mean.pairs} shots within {span:g} m/s, {allowed:g} allowed"
-        facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {shots} ({MEANS[mean.rule]})"
+    spans = ((m.pairs, round(m.span_m_s, 1), round(m.span_allowed_m_s, 1)) for m in result.means)
+    means = [f"{pairs} + {pairs} shots within {span:g} m/s, {allowed:g} allowed" for pairs, span, allowed in spans]
+    facts["mean"] = f"none: {'; '.join(means) or 'too few shots of each kind'}"
+    if mean is not None:
+        facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {means[-1]} ({MEANS[mean.rule]})"
     highest, lowest = result.highest_partial_m_s, result.lowest_complete_m_s
     ends = [] if highest is None else [f"highest stopped {highest:.0f} m/s"]
     ends += [] if lowest is None else [f"lowest perforated {lowest:.0f} m/s"]
