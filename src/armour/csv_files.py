@@ -121,12 +121,11 @@ class Source:
         """
         mark = decimal_mark(cells, column, self.separator) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
-        if not mark or None in values:
-            for index, cell in enumerate(cells):
-                message = "" if mark else two_meanings(cell)
-                if message or (values[index] is None and (cell or needed)):
-                    self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
-                    values[index] = None
+        for index, cell in enumerate(cells):
+            message = "" if mark else two_meanings(cell)
+            if message or (values[index] is None and (cell or needed)):
+                self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
+                values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
         self.conversions += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
         return [None if value is None else value * column.factor for value in values]
@@ -698,17 +697,13 @@ def _chosen_lines(
 
 
 def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "--where") -> list[int]:
-    """Return the indices of the columns that a name in an option means; raise an InputError if there is none."""
-    if not (places := named_places(source, columns, name)):
-        raise mistake(source.file, option, f'must name a column, found "{name}"{choices(name, source.header)}')
-    return places
-
-
-def named_places(source: Source, columns: Sequence[Column], name: str) -> list[int]:
-    """Return the indices of the columns with exactly this name or, if there is none, of those with a similar one."""
+    """Return the indices of the columns with exactly this name or else a similar one; refuse a name of none."""
     titles = [*map(source.title, range(len(columns)))]
     exact = [i for i, title in enumerate(titles) if title == name]
-    return exact or [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
+    like = [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
+    if not like:
+        raise mistake(source.file, option, f'must name a column, found "{name}"{choices(name, source.header)}')
+    return exact or like
 
 
 def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> dict[str, int]:

@@ -28,9 +28,7 @@ FIT = "Input to fit, by default the ceramic's flow stress; repeatable."
 WHERE = options.text("Read only rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
 IGNORE = options.text("Do not read this column, and count all rows whatever it says; repeatable.", metavar="COLUMN")
 EACH = options.text("Give an answer for each value of this column, such as lot.", metavar="COLUMN")
-PAIRS = "Shots of each kind in the MIL-STD-662F mean; by default the largest of 5, 3 and 2 that the span allows."
 REQUIREMENT_FRACTION = options.share("Fraction that may perforate at the required velocity; by default 0.5, for V50.")
-SCATTER_FACTOR = "Geometric standard deviation of the scatter about the expected one; by default 2.0."
 # Options, by the parameters of `plan_shots` that messages about the limits of V50 name.
 LIMITS = {
     "scenario": "SCENARIO",
@@ -43,7 +41,9 @@ LIMITS = {
 def v50(
     table: Path = options.argument("SHOTS", SHOTS, words=completion.tables),
     scenario: Path | None = options.OPTIONAL_SCENARIO,
-    pairs: Any = options.number(PAIRS),
+    pairs: Any = options.number(
+        "Shots of each kind in the MIL-STD-662F mean; by default the largest allowed of 5, 3, 2."
+    ),
     span_m_s: Any = options.number("Greatest span of their velocities, m/s; by default the usual one for 5, 3 or 2."),
     confidence: Any = options.share("Confidence level of the intervals; by default 0.95."),
     prior: bool = options.flag("Add the posterior of V50, whose prior is the scenario's expected limit.", "--prior"),
@@ -225,7 +225,7 @@ def plan_shots(
     ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     scatter_percent: Any = options.number("Expected scatter, the standard deviation, in % of V50; by default 2.0."),
-    scatter_factor: Any = options.number(SCATTER_FACTOR),
+    scatter_factor: Any = options.number("Geometric standard deviation of the expected scatter; by default 2.0."),
     lower_m_s: Any = options.number("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = options.number("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
     result: str | None = options.text(

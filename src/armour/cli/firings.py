@@ -86,10 +86,7 @@ def plan_after(
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
     earlier_content = content_of(table)
-    fired = Shots((), (), str(table))
-    if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=choice.where, ignore=choice.ignore)
-    before = plan(fired)
+    before = plan(Shots((), (), str(table)) if earlier_content is None else choice.shots_in(table, earlier_content))
     planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
     velocity = planned if velocity_m_s is None else velocity_m_s
     if velocity is None:

@@ -577,14 +577,11 @@ def v50(
             message = f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}"
             raise mistake(scenario.file, "uncertainty.model", message)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
-        before, after = (
-            posterior_of(model_prior, (), ()),
-            posterior_of(model_prior, shots.velocities_m_s, shots.complete),
-        )
+        before = posterior_of(model_prior, (), ())
+        after = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
         prior_estimate, posterior_estimate, share, contradictions = learned(before, after, confidence)
-    subject = f"V50 of the shots in {Path(shots.file).name}"
-    if scenario is not None:
-        subject += f": {scenario.subject(ANY_VELOCITY)}"
+    is_outside = recommended and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s)
+    armour_and_round = f": {scenario.subject(ANY_VELOCITY)}" if scenario else ""
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -610,9 +607,7 @@ def v50(
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
         bounded_confidence=level,
         bounded_interval_m_s=interval,
-        extrapolated=recommended is not None
-        and level is None
-        and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s),
+        extrapolated=bool(is_outside and level is None),
         further=_further_shot(partial, complete, confidence) if likelihood and level != confidence else None,
         at=at,
         velocity_of=velocity_of,
@@ -623,7 +618,7 @@ def v50(
         producers_risk=rejecting,
         fired=shots,
         expected_limit_m_s=model.expected_limit_m_s if model else None,
-    ).of(subject, scenario=scenario, shots=shots)
+    ).of(f"V50 of the shots in {Path(shots.file).name}{armour_and_round}", scenario=scenario, shots=shots)
 
 
 def _rising_curves(
