@@ -234,9 +234,8 @@ def plan_shots(
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
-    if limit or limits_m_s:
-        far = (far_from(expectation.limit_m_s, velocity) for velocity in shots.velocities_m_s)
-        refuse(Problem(shots.file, "velocity_m_s", message) for message in [*filter(None, far)][:1])
+    far = (far_from(expectation.limit_m_s, velocity) for velocity in shots.velocities_m_s if limit or limits_m_s)
+    refuse(Problem(shots.file, "velocity_m_s", message) for message in [*filter(None, far)][:1])
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
