@@ -71,6 +71,12 @@ class Column(NamedTuple):
         return UNITS.get(words_and_unit(self.key)[1])
 
     @property
+    def key_unit(self) -> str:
+        """The unit of keys for the unit at the end of its name, such as "mm" for "Tile (in)"; "" if it has none."""
+        unit = _UNIT_NAMES.get(_unit_at_end(folded(self.key)), "")
+        return next((key_unit for key_unit, units in UNITS.items() if unit in units), "")
+
+    @property
     def bounds(self) -> tuple[float, float]:
         """The least and the greatest possible number, in the unit of the key."""
         return BOUNDS.get(self.key) or BOUNDS.get(words_and_unit(self.key)[1], (-inf, inf))
@@ -153,12 +159,6 @@ def is_code(text: str) -> bool:
 def sums_up(name: str) -> bool:
     """Return whether the name of a row says that it sums up others, as "V50 (3 + 3)" does."""
     return not name.isdecimal() and letters(_BRACKETS.sub("", name)) in _SUMMARIES
-
-
-def unit_of(header: str) -> str:
-    """Return the unit of keys for the unit at the end of a header, such as "mm" for "Tile (in)"; "" if it has none."""
-    unit = _UNIT_NAMES.get(_unit_at_end(folded(header)), "")
-    return next((key_unit for key_unit, units in UNITS.items() if unit in units), "")
 
 
 def _unit_at_end(text: str) -> str:

@@ -10,6 +10,7 @@ from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice, pairwise
 from math import isclose, isfinite, nan
+from operator import ne
 from os import PathLike
 from pathlib import Path
 from statistics import fmean
@@ -94,7 +95,7 @@ class Source:
         `places` are those of the rows that count.
         """
         for place in self.marked.keys() & {*places}:
-            self.wrong(place, f"must not be {self.marked[place]} if it counts; show it, or let a column counts say no")
+            self.wrong(place, f'must not be {self.marked[place]} if it counts; show it, or "no" in a column "counts"')
 
     def divided(self, name: str, cells: Sequence[str], noun: str, unread: str = "") -> None:
         """Record as wrong that the values of a column divide the rows into groups, and which options help.
@@ -105,8 +106,8 @@ class Source:
         found = listed([f"{value or 'blank'} ({counted(count, noun)})" for value, count in counts])
         options, word = ("--where", f"{name}={counts[0][0]}"), shell_line([name])
         are_lots = noun == "shot" and counts[-1][1] > 1 and "" not in cells and None in map(is_yes, cells)
-        each = f", --each {word} answers for each" * are_lots
-        ways = f"{shell_line(options)} chooses{each}, --ignore {word} counts all"
+        each = f"--each {word} gives an answer for each, " * are_lots
+        ways = f"{shell_line(options)} chooses one, {each}--ignore {word} takes all together"
         self.wrong(name, f"{unread}divides the {noun}s: {found}; {ways}")
         self.options += options
 
@@ -120,12 +121,11 @@ class Source:
         """
         mark = decimal_mark(cells, column, self.separator) or ""
         values = [number_as(cell, mark or ".") for cell in cells]
-        if not mark or None in values:
-            for index, cell in enumerate(cells):
-                message = "" if mark else two_meanings(cell)
-                if message or (values[index] is None and (cell or needed)):
-                    self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
-                    values[index] = None
+        for index, cell in enumerate(cells):
+            message = "" if mark else two_meanings(cell)
+            if message or (values[index] is None and (cell or needed)):
+                self.wrong(f"{places[index]}: {name}", message or f'must be a number, found "{cell}"')
+                values[index] = None
         commas = mark == "," and any("," in cell for cell in cells)
         self.conversions += [*["decimal commas"] * commas, *[column.in_unit] * bool(column.unit)]
         return [None if value is None else value * column.factor for value in values]
@@ -446,7 +446,7 @@ def read_rows(
     """
     columns, where = columns_of(source.header, kind.keys), where or {}
     chosen = [(i, str(value)) for name, value in where.items() for i in places_of(source, columns, name)]
-    unwanted = {i for name in ignore for i in named_places(source, columns, name)}
+    unwanted = {i for name in ignore for i in places_of(source, columns, name, "--ignore")}
     columns = [Column(source.header[i], known=False) if i in unwanted else each for i, each in enumerate(columns)]
     unread = {i for i, each in enumerate(columns) if not each.known and not each.averaged} - {*dict(chosen)} - unwanted
     columns, every, reasons = _usable_lines(source, kind, columns, unread, least)
@@ -469,15 +469,19 @@ def read_rows(
                 warnings.append(_remarks_quoted(name, rows, cells))
             elif index in unread and closed:
                 _check_not_dividing(source, name, cells, kind.noun)
-    equal = _repeated_shots(source, kind.texts[0], rows, lines)
+    repeated = _repeated_shots(source, kind.texts[0], rows, lines)
     if len(rows) < least:
         raise InputError(source.problems or [Problem(source.file, "", "must have rows that count")])
     notes = [f"{name} {value or 'blank'}" for name, value in where.items()]
+    for index, value in chosen:
+        others = [cells[index] for place, cells in every if reasons.get(place) == index]
+        alike = ", ".join({cell: 0 for cell in others if cell.lower().split() == value.lower().split()})
+        also = f", even {alike}, which differs in case or blanks alone" * bool(alike)
+        notes += [f"without {counted(len(others), 'row')} of other {source.title(index)}{also}"] * bool(others)
     notes += [f"mean of {joined(names)}" for names in averaged]
     notes += [f"without {', '.join(ignored)}"] * bool(ignored)
     notes += [f"without {listed(left_out)}, which {'does' if len(left_out) == 1 else 'do'} not count"] * bool(left_out)
-    notes += [f"{listed(equal)} equal to an earlier row, counted"] * bool(equal)
-    told = source.told(counted(len(rows), kind.noun), notes)
+    told = source.told(counted(len(rows), kind.noun), [*notes, *repeated])
     digest, asked = source.digest.hexdigest(), tuple((source.title(index), value) for index, value in chosen)
     read = TableRead(*told, left_out, (*ignored,), digest, (*warnings,), (*source.above,), not_used, asked)
     return CsvTable(rows, read, groups)
@@ -538,17 +542,20 @@ def _check_not_dividing(source: Source, name: str, cells: Sequence[str], noun: s
     """Record as wrong if a column that is not read divides the rows into groups: some cells equal, others different.
 
     Numbers of which more than half differ are measured, and divide the rows only if they lie in two groups far apart,
-    as yaw angles do of which some are too great.
+    as yaw angles do of which some are too great.  Lengths that differ from test to test may be inputs.
     """
     values, mark = {*cells}, decimal_mark(cells, Column(name), source.separator) or "."
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
-    if len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
+    if noun == "test" and Column(name).key_unit == "mm" and len(values) > 1:
+        ways = f"name an input by its key, as armour.ceramic_thickness_mm; --ignore {shell_line([name])} leaves it out"
+        source.wrong(name, f"is not read and differs from test to test; {ways}")
+    elif len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
         if 1 < len(values) < len(cells):
             source.divided(name, cells, noun, "is not read and ")
     elif len(measured) >= LEAST_GROUPED and high - low > GAP * max(low - measured[0], measured[-1] - high):
-        ways = f"a column counts leaves {noun}s out, --ignore {shell_line([name])} counts all"
+        ways = f'a column "counts" with "no" leaves {noun}s out, --ignore {shell_line([name])} counts all'
         source.wrong(name, f"is not read and divides the {noun}s: up to {low:g}, from {high:g}; {ways}")
 
 
@@ -680,7 +687,7 @@ def _chosen_lines(
         name, values = source.title(index), dict.fromkeys(cells[index] for _, cells in lines)
         if value not in values:
             message = f'must be one of {", ".join(filter(None, values))}, found "{value}"'
-            raise mistake(source.file, f"where {name}", message)
+            raise mistake(source.file, f"--where {name}", message)
         if columns[index].known and columns[index].key in GROUPS:
             blank = [place for place, cells in lines if not cells[index] and place not in uncounted]
             refuse(not_filled(source.file, name, blank))
@@ -689,18 +696,14 @@ def _chosen_lines(
     return lines
 
 
-def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "where") -> list[int]:
-    """Return the indices of the columns that a name in an option means; raise an InputError if there is none."""
-    if not (places := named_places(source, columns, name)):
-        raise mistake(source.file, option, f'must name a column, found "{name}"')
-    return places
-
-
-def named_places(source: Source, columns: Sequence[Column], name: str) -> list[int]:
-    """Return the indices of the columns with exactly this name or, if there is none, of those with a similar one."""
+def places_of(source: Source, columns: Sequence[Column], name: str, option: str = "--where") -> list[int]:
+    """Return the indices of the columns with exactly this name or else a similar one; refuse a name of none."""
     titles = [*map(source.title, range(len(columns)))]
     exact = [i for i, title in enumerate(titles) if title == name]
-    return exact or [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
+    like = [i for i, title in enumerate(titles) if name == columns[i].key or letters(name) == letters(title)]
+    if not like:
+        raise mistake(source.file, option, f'must name a column, found "{name}"{choices(name, source.header)}')
+    return exact or like
 
 
 def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[Line], naming: str) -> dict[str, int]:
@@ -723,19 +726,27 @@ def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[L
 
 
 def _repeated_shots(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
-    """Return the places of shots without a name that equal earlier ones; any other repeated row is recorded as wrong.
+    """Return in words which shots without a name equal earlier ones, and which have the number of an earlier one.
 
-    `naming` is the key of the column of names.
+    Any other repeated row, and a shot with two results, are recorded as wrong; `naming` is the key of the column of
+    names.
     """
     places: dict[tuple[str, ...], str] = {}
-    equal = []
+    named: dict[str, tuple[CsvRow, Sequence[str]]] = {}
+    told = dict[str, list[str]]()
     for row, (place, cells) in zip(rows, lines, strict=True):
         first = places.setdefault(tuple(cells), place)
+        other, others = named.setdefault(row.texts.get(naming, place), (row, cells))
+        results = [each.texts.get("result") for each in (row, other)]
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
-            equal.append(place)
+            told.setdefault("equal to an earlier row", []).append(place)
         elif first != place:
             source.wrong(place, f"repeats {first}; if both are meant, name them apart in the column {naming}")
-    return equal
+        elif results[0] != results[1] and sum(map(ne, cells, others)) == 1:
+            source.wrong(place, f"differs from {other.place} in the result alone; leave out the one that is wrong")
+        elif other is not row and results[0]:
+            told.setdefault("with the number of an earlier shot", []).append(place)
+    return [f"{listed(each)} {words}, counted" for words, each in told.items()]
 
 
 def decimal_mark(cells: Iterable[str], column: Column, separator: str) -> str | None:
@@ -799,8 +810,9 @@ def targets_of(source: Source, table: CsvTable, name: str, perforated: Sequence[
 
 def wrong_result(text: str) -> str:
     """Return the message on a text that is neither "stopped" nor "perforated", nor another word for one."""
-    hint = '; such a column needs the name "perforated" or "stopped"' if is_yes(text) is not None else ""
-    return f'{MUST_SAY}, found "{text}"{hint}'
+    hint = 'a column "counts" with "no" leaves it out'
+    hint = hint if is_yes(text) is None else 'such a column needs the name "perforated" or "stopped"'
+    return f'{MUST_SAY}, found "{text}"; {hint}'
 
 
 def not_filled(file: str, name: str, blank: Sequence[str]) -> Iterator[Problem]:

@@ -39,7 +39,7 @@ def test_a_file_that_does_not_exist_yet_is_a_firing_without_shots(cli, folder: P
 def test_a_shot_without_its_velocity_has_the_planned_one_which_is_said(cli, folder: Path):
     said = cli(*PLAIN, "--result", "P").stderr
     [_header, shot] = rows(folder / "f.csv")
-    assert f"note: f.csv: records the planned {shot.split(',')[1]} m/s\n" in said
+    assert f"note: f.csv: recorded the planned {shot.split(',')[1]} m/s, as --velocity-m-s was not given\n" in said
     assert "note: f.csv" not in cli(*PLAIN, "--result", "P", "--velocity-m-s", "730").stderr
 
 
@@ -61,12 +61,30 @@ def test_a_shot_is_taken_back(cli, folder: Path):
     assert cli(*PLAIN, "--result", "C", "--velocity-m-s", "755").exit_code == 0
     undone = cli(*PLAIN, "--undo")
     assert (undone.exit_code, undone.stdout) == (0, planned)
-    assert "note: f.csv: without line 3, 2,755,C," in undone.stderr
+    assert "note: f.csv: removed line 3: 2,755,C," in undone.stderr
     assert (folder / "f.csv").read_text() == before
     assert cli(*PLAIN, "--undo").exit_code == 0
     assert cli.fails(2, *PLAIN, "--undo") == ["f.csv: must have a shot to take back, found none"]
-    assert cli.fails(2, "plan", "shots", "wilkins", "--undo") == ["command line: --undo: must be given with SHOTS"]
-    assert cli.fails(2, *PLAIN, "--undo", "--result", "P") == ["command line: --undo: must be given without --result"]
+    assert cli.fails(2, "plan", "shots", "wilkins", "--undo") == ["command line: --undo: needs SHOTS"]
+    assert cli.fails(2, *PLAIN, "--undo", "--result", "P") == ["command line: --undo: cannot be combined with --result"]
+
+
+def test_what_else_a_new_row_has_is_said(cli, folder: Path):
+    (folder / "f.csv").write_text("Shot;V1 (m/s);V2 (m/s);Result;Fair hit\n1;722;722;PP;yes\n")
+    added = "note: f.csv: added line 3: Shot 2, V1 (m/s) 776, V2 (m/s) 776, Result CP, Fair hit yes\n"
+    assert added in cli(*PLAIN, "--result", "C", "--velocity-m-s", "776").stderr
+
+
+def test_the_next_command_repeats_what_changes_the_question(cli, folder: Path):
+    (folder / "f.csv").write_text("velocity_m_s,result,lot\n700,P,A\n730,C,A\n715,C,A\n720,P,A\n740,C,B\n")
+    asked = "--requirement-m-s 700 --requirement-fraction 0.05 --confidence 0.9 --where lot=A"
+    changed = "--set armour.ceramic_thickness_mm=8"
+    told = cli("v50", "f.csv", "wilkins", *asked.split(), *changed.split()).stderr
+    assert told.endswith(f"next: armour plan shots f.csv wilkins {asked} {changed}\n")
+    asked, ended = "--confidence 0.5 --where lot=A", ["--half-width-m-s", "200"]
+    told = cli("plan", "shots", "f.csv", "wilkins", *asked.split(), *ended).stderr
+    assert told.endswith(f"next: armour v50 f.csv wilkins {asked}\n")
+    assert "next:" not in cli("plan", "shots", "f.csv", "wilkins", "--where", "lot=B", *ended).stderr
 
 
 def test_a_shot_at_another_armour_is_refused(cli, folder: Path):

@@ -52,7 +52,7 @@ def test_one_page_has_what_a_range_files(cli, folder: Path, table: Path):
     assert page.startswith("# Record of a firing: Range North, Order 4711\n")
     assert "Date 2026-11-20; V50 of the shots in range.csv: 6.35 mm AD85 on" in page
     assert "Met: V50 of at least 700 m/s; risk of accepting 2.2 % (5 % decides)." in page
-    assert "* mean: none: 3 + 3 within 37 m/s, 27.4 allowed; 2 + 2 within 19 m/s, 18.3 allowed" in page
+    assert "* mean: none: 3 + 3 shots within 37 m/s, 27.4 allowed; 2 + 2 shots within 19 m/s, 18.3 allowed" in page
     shots = rows_of(page, "Shots")
     assert [shot[0] for shot in shots] == ["1", "2", "3", "4", "5", "6"]
     assert shots[1] == ["2", "801.0", "perforated", "yes"]

@@ -54,10 +54,10 @@ def test_how_a_table_was_read_is_said_once(cli, folder: Path):
     for words in (["v50", "t.csv"], ["plan", "shots", "t.csv", *SOON], ["calibrate", "t.csv", "wilkins"]):
         noun = "tests" if words[0] == "calibrate" else "shots"
         [line] = [line for line in cli(*words, "--where", "panel=A").stderr.splitlines() if line.startswith("read ")]
-        assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A"
+        assert line == f"read t.csv: semicolons, velocity in ft/s, 2 {noun}, panel A, without 3 rows of other Panel"
     line, way_on = cli.fails(2, "v50", "t.csv")
     assert line.startswith(
-        "t.csv: Panel: divides the shots: A (2 shots), B (2 shots); --where Panel=A chooses, --each Panel answers"
+        "t.csv: Panel: divides the shots: A (2 shots), B (2 shots); --where Panel=A chooses one, --each Panel gives"
     )
     assert way_on.endswith(" --where Panel=A")
 
@@ -126,11 +126,13 @@ def test_an_answer_for_each_panel(cli, folder: Path):
         ]
         assert found["Panel B"]["fired"]["read"]["left_out"] == ["line 6"]
         assert cli.fails(2, *words, "--each", "panel", "--plot", "x.svg") == [
-            "command line: --plot: must be given without --each"
+            "command line: --plot: cannot be combined with --each"
         ]
     told = cli.fails(2, "v50", "t.csv", "--each", "panel", "--csv", "x.csv")
-    assert told == ["command line: --csv: must be given without --each"]
-    assert cli.fails(2, "v50", "t.csv", "--each", "Lot") == ['t.csv: --each: must name a column, found "Lot"']
+    assert told == ["command line: --csv: cannot be combined with --each"]
+    for option, word in (("--each", "Lot"), ("--where", "Lot=A"), ("--ignore", "Lot")):
+        [told] = cli.fails(2, "v50", "t.csv", option, word)
+        assert told.startswith(f't.csv: {option}: must name a column, found "Lot"; choose from Shot No, V (ft/s)')
     assert cli.fails(2, "v50", "t.csv", "--where", "A") == [
         'command line: --where: must be COLUMN=VALUE, found the text "A"'
     ]
@@ -185,9 +187,7 @@ def test_a_shot_is_added_to_an_export(cli, folder: Path):
 def test_options_of_tables_need_one(cli, folder: Path):
     (folder / "t.csv").write_text("velocity_m_s,result,panel\n700,P,A\n710,P,A\n720,P,A\n")
     for option in (["--where", "panel=A"], ["--each", "panel"], ["--sheet", "x"]):
-        assert cli.fails(2, "plan", "shots", "wilkins", *option) == [
-            f"command line: {option[0]}: must be given with SHOTS"
-        ]
+        assert cli.fails(2, "plan", "shots", "wilkins", *option) == [f"command line: {option[0]}: needs SHOTS"]
     assert cli.fails(2, "v50", "t.csv", "--sheet", "x") == [
         "t.csv: must be a workbook (.xlsx) for a sheet to be chosen"
     ]

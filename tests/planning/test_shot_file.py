@@ -95,7 +95,7 @@ def test_the_last_shot_that_counts_is_taken_back(tmp_path: Path, encoding: str, 
     for where, taken in ((None, rows[3]), ({"plaque": "A"}, rows[2])):
         content, said = without_last(path, where)
         assert content.decode(encoding) == text.replace(taken + end, "")
-        assert said == f"line {rows.index(taken) + 1}, {taken}"
+        assert said == f"line {rows.index(taken) + 1}: {taken}"
     for none in ("", "velocity_m_s,result\n", "velocity_m_s,result,counts\n700,P,no\n"):
         path.write_text(none)
         with pytest.raises(InputError, match="must have a shot to take back, found none"):

@@ -26,7 +26,7 @@ SHOTS = (
 TESTS = "CSV file of tests. `armour init FILE.csv --from tests/wilkins` writes an example."
 FIT = "Input to fit, by default the ceramic's flow stress; repeatable."
 WHERE = options.text("Read only rows with this value in a column, as in panel=A; repeatable.", metavar="KEY=VALUE")
-IGNORE = options.text("Count all rows whatever this column, which is not read, says; repeatable.", metavar="COLUMN")
+IGNORE = options.text("Do not read this column, and count all rows whatever it says; repeatable.", metavar="COLUMN")
 EACH = options.text("Give an answer for each value of this column, such as lot.", metavar="COLUMN")
 REQUIREMENT_FRACTION = options.share("Fraction that may perforate at the required velocity; by default 0.5, for V50.")
 # Options, by the parameters of `plan_shots` that messages about the limits of V50 name.
@@ -41,13 +41,15 @@ LIMITS = {
 def v50(
     table: Path = options.argument("SHOTS", SHOTS, words=completion.tables),
     scenario: Path | None = options.OPTIONAL_SCENARIO,
-    pairs: Any = options.number("Shots of each kind in the MIL-STD-662F mean; by default the most allowed of 5, 3, 2."),
+    pairs: Any = options.number(
+        "Shots of each kind in the MIL-STD-662F mean; by default the largest allowed of 5, 3, 2."
+    ),
     span_m_s: Any = options.number("Greatest span of their velocities, m/s; by default the usual one for 5, 3 or 2."),
     confidence: Any = options.share("Confidence level of the intervals; by default 0.95."),
     prior: bool = options.flag("Add the posterior of V50, whose prior is the scenario's expected limit.", "--prior"),
     at_m_s: Any = options.number("Velocity, m/s, at which to give the probability of complete penetration."),
     fraction: Any = options.share("Fraction of shots for which to give the velocity that perforates; 0.01 gives V01."),
-    requirement_m_s: Any = options.number("Required velocity, m/s: whether it is exceeded is decided by the shots."),
+    requirement_m_s: Any = options.number("Required velocity, m/s; the shots decide whether the armour meets it."),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     csv: Path | None = options.file("Write the fitted curves as CSV."),
     plot: Path | None = options.PLOT,
@@ -63,8 +65,9 @@ def v50(
 ) -> None:
     """Estimate V50 from shots.
 
-    If a scenario with the same armour is given, its ballistic limit by the model is shown too. With a requirement, the
-    exit code is 3 if it is not met or the shots do not decide it, with --each at any panel.
+    If a scenario with the same armour is given, its expected limit, or else its limit by the model, is shown too. With
+    a requirement, the exit code is 3 if it is not met or the shots do not decide it or, with --each, if this holds for
+    any of the lots.
 
     Examples
     --------
@@ -77,15 +80,15 @@ def v50(
     from armour.statistics.v50 import compared
 
     table, scenario = _table_and_scenario(table, scenario)
-    check_options(("--set", changes and scenario is None, "must be given with a scenario"))
+    check_options(("--set", changes and scenario is None, "needs a scenario"))
     loaded = None if scenario is None else read_scenario(scenario, changes, ANSWERS["v50"])
     outputs = (csv, CSV), (plot, PICTURE), (report, REPORT_ENDINGS)
     check_outputs(*outputs, inputs=[table, loaded], force=force)
-    only_one = "must be given without --each"
+    only_one = "cannot be combined with --each"
     check_options(("--csv", csv and each is not None, only_one), ("--plot", plot and each is not None, only_one))
-    settings = options.given(pairs=pairs, span_m_s=span_m_s, confidence=confidence, prior=prior, at_m_s=at_m_s)
-    settings |= options.given(fraction=fraction)
-    settings |= options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
+    asked = options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
+    asked |= options.given(confidence=confidence)
+    settings = asked | options.given(pairs=pairs, span_m_s=span_m_s, prior=prior, at_m_s=at_m_s, fraction=fraction)
     choice = Choice(chosen(where), ignore or (), sheet)
     with progress("impacts") as count, runner.as_options("v50"):
         estimate: Any = partial(armour.v50, scenario=loaded, on_progress=count, **settings)
@@ -103,8 +106,7 @@ def v50(
     }
     answer(found, loaded, files, plot=plot, file=_files_read(table, loaded), as_json=as_json, verbose=verbose)
     if each is None and found.decision == "not decided":
-        words = ["--requirement-m-s", f"{requirement_m_s:g}"]
-        runner.propose(shell_line(["armour", "plan", "shots", runner.source_word(table), *words]))
+        _propose("plan_shots", table, scenario, changes, asked | options.given(where=where, ignore=ignore, sheet=sheet))
     elif each is None and loaded is not None and not found.decision and found.bounded_confidence == CONFIDENCE:
         low, high = found.bounded_interval_m_s
         measured = f"{found.recommended.v50_m_s:.0f} ± {0.25 * (high - low):.0f} m/s"
@@ -153,7 +155,7 @@ def calibrate(
     check_outputs(*outputs, inputs=[table, loaded], force=force)
     lot = (lot or "").strip()
     if (not lot) != (library is None and fitted is None):
-        raise wrong_option("--lot", "must be given with --write or --write-scenario, and only then: the lot tested")
+        raise wrong_option("--lot", "the name of the lot tested; --write and --write-scenario need it, and only they")
 
     with progress("tests") as count, runner.as_options("calibrate"):
         tests = armour.read_tests(table, loaded, where=chosen(where), sheet=sheet, ignore=ignore or ())
@@ -187,6 +189,15 @@ def _table_and_scenario(first: Any, second: Any) -> tuple[Any, Any]:
     return (second, first) if is_table else (first, second)
 
 
+def _propose(command: str, table: Any, scenario: Any, changes: list[str] | None, asked: dict[str, Any]) -> None:
+    """Print the command to go on with on the same files; `asked` are the options given that its question repeats."""
+    words = ["armour", *command.split("_"), *map(runner.source_word, filter(None, (table, scenario)))]
+    for name, value in (asked | {"set": runner.accepted(changes or (), ANSWERS[command].reads)}).items():
+        for each in value if isinstance(value, list) else [value]:
+            words += [f"--{name.replace('_', '-')}", str(each)]
+    runner.propose(shell_line(words))
+
+
 def _files_read(table: Path | None, scenario: Scenario | None) -> str:
     """Return the names of the files that a command has read, for its warnings."""
     return ", ".join(filter(None, (str(table or ""), scenario.file if scenario else "")))
@@ -209,10 +220,12 @@ def plan_shots(
     ),
     half_width_m_s: Any = options.number("Half width of the interval of V50 that ends the firing, m/s; by default 15."),
     confidence: Any = options.share("Confidence level of the interval, and of the requirement; by default 0.95."),
-    requirement_m_s: Any = options.number("Required velocity, m/s; the firing ends when the shots decide about it."),
+    requirement_m_s: Any = options.number(
+        "Required velocity, m/s; the firing ends once the shots decide if it is met."
+    ),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     scatter_percent: Any = options.number("Expected scatter, the standard deviation, in % of V50; by default 2.0."),
-    scatter_factor: Any = options.number("Factor by which the scatter may differ from the expected; by default 2.0."),
+    scatter_factor: Any = options.number("Geometric standard deviation of the expected scatter; by default 2.0."),
     lower_m_s: Any = options.number("Lower limit of V50, m/s, for langlie and neyer, or without a scenario."),
     upper_m_s: Any = options.number("Upper limit of V50, m/s, for langlie and neyer, or without a scenario."),
     result: str | None = options.text(
@@ -245,7 +258,7 @@ def plan_shots(
     from armour.planning.shot_file import locked
 
     table, scenario = _table_and_scenario(table, scenario)
-    check_options(("--set", changes and scenario is None, "must be given with a scenario"))
+    check_options(("--set", changes and scenario is None, "needs a scenario"))
     loaded = None if scenario is None else read_scenario(scenario, changes, ANSWERS["plan_shots"])
     is_fired, change = result is not None, "--undo" if result is None else "--result"
     inputs, updated = [loaded, table], table if is_fired or undo else None
@@ -254,13 +267,12 @@ def plan_shots(
     not_a_number = f"must be a number, found {describe(velocity_m_s)}{point_hint(velocity_m_s)}"
     excluded_by_change = {"--sheet": sheet, "--each": each, "--undo": undo and is_fired}
     check_options(
-        ("--upper-m-s", upper_m_s is None and lower_m_s is not None, "must be given with the other limit"),
-        ("--lower-m-s", lower_m_s is None and upper_m_s is not None, "must be given with the other limit"),
-        *((name, table is None and value, "must be given with SHOTS") for name, value in needing_table.items()),
-        *((name, updated and value, f"must be given without {change}") for name, value in excluded_by_change.items()),
-        ("--velocity-m-s", velocity_m_s is not None and not is_fired, "must be given with --result"),
+        ("--lower-m-s, --upper-m-s", (lower_m_s is None) != (upper_m_s is None), "must be given together"),
+        *((name, table is None and value, "needs SHOTS") for name, value in needing_table.items()),
+        *((name, updated and value, f"cannot be combined with {change}") for name, value in excluded_by_change.items()),
+        ("--velocity-m-s", velocity_m_s is not None and not is_fired, "needs --result"),
         ("--velocity-m-s", isinstance(velocity_m_s, str), not_a_number),
-        ("--plot", plot and each is not None, "must be given without --each"),
+        ("--plot", plot and each is not None, "cannot be combined with --each"),
     )
     settings = options.given(procedure=procedure, half_width_m_s=half_width_m_s, confidence=confidence)
     settings |= options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
@@ -284,9 +296,9 @@ def plan_shots(
     if each is not None:
         if planned.unanswered:
             raise typer.Exit(runner.NO_ANSWER)
-    elif planned.next_velocity_m_s is None and table is not None:
-        scenario_words = [runner.source_word(loaded.file)] if loaded else []
-        runner.propose(shell_line(["armour", "v50", runner.source_word(table), *scenario_words]))
+    elif planned.next_velocity_m_s is None and len({*planned.fired.complete}) == 2:
+        asked = options.given(confidence=confidence, where=where, ignore=ignore, sheet=sheet)
+        _propose("v50", table, scenario, changes, asked)
     elif planned.next_velocity_m_s is not None and updated is None:
         shot_words = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
-        runner.propose(f"add {'' if table else 'shots.csv '}{shot_words}")
+        runner.propose(f"after the shot, repeat this command with {'' if table else 'shots.csv '}{shot_words}")

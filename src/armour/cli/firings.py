@@ -15,7 +15,7 @@ from armour.errors import InputError, NoAnswerError, Note, mistake
 from armour.planning.firing import ShotPlan, far_from
 from armour.planning.shot_file import content_of, with_shot, without_last
 from armour.scenario.keys import describe
-from armour.statistics.v50 import Shots, is_of_shots, lots_of, shots_of
+from armour.statistics.v50 import SHOTS, Shots, is_of_shots, lots_of, shots_of
 
 
 class Choice(NamedTuple):
@@ -28,6 +28,11 @@ class Choice(NamedTuple):
     def read(self, table: Path, *, one_kind: bool = True) -> Shots:
         """Read shots, and say how if that was not obvious."""
         return say_how_read(table, armour.read_shots(table, one_kind=one_kind, **self._asdict()))
+
+    def shots_in(self, table: Path, content: bytes) -> Shots:
+        """Read shots from the content that a table is to have."""
+        source = open_table(table, is_of_shots, content=content)
+        return shots_of(source, one_kind=True, where=self.where, ignore=self.ignore)
 
 
 def each_result(answer: Callable[[Shots], Result], table: Path, column: str, choice: Choice) -> EachResult:
@@ -81,10 +86,7 @@ def plan_after(
         raise wrong_option("--result", f"{MUST_SAY}, found {describe(result)}")
 
     earlier_content = content_of(table)
-    fired = Shots((), (), str(table))
-    if exists(table):
-        fired = armour.read_shots(table, one_kind=True, where=choice.where, ignore=choice.ignore)
-    before = plan(fired)
+    before = plan(Shots((), (), str(table)) if earlier_content is None else choice.shots_in(table, earlier_content))
     planned, limit = before.next_velocity_m_s, before.prior.v50_m_s
     velocity = planned if velocity_m_s is None else velocity_m_s
     if velocity is None:
@@ -96,10 +98,14 @@ def plan_after(
         words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
         notes.append(Note(words))
     content = with_shot(table, velocity, result, choice.where, target)
-    source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=choice.where, ignore=choice.ignore)))
+    after = plan(say_how_read(table, choice.shots_in(table, content)))
+    written = open_table(table, is_of_shots, content=content)
+    *_, (place, cells) = written.lines
+    if len(cells) > len(SHOTS.keys):
+        filled = (f"{name} {cell}" for name, cell in zip(written.header, cells, strict=False) if cell)
+        say(f"note: {table}: added {place}: {', '.join(filled)}")
     if velocity_m_s is None:
-        say(f"note: {table}: records the planned {velocity:g} m/s")
+        say(f"note: {table}: recorded the planned {velocity:g} m/s, as --velocity-m-s was not given")
     return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}
 
 
@@ -107,9 +113,10 @@ def plan_without_last(plan: Callable[..., ShotPlan], table: Path, choice: Choice
     """Plan the next shot after taking the last one back from a table; see `plan_after`."""
     earlier_content = content_of(table)
     content, taken = without_last(table, choice.where, choice.ignore)
-    source = open_table(table, is_of_shots, content=content)
-    after = plan(say_how_read(table, shots_of(source, one_kind=True, where=choice.where, ignore=choice.ignore)))
-    say(f"note: {table}: without {taken}")
+    fired = choice.shots_in(table, content)
+    after = plan(fired)
+    say(f"note: {table}: removed {taken}")
+    say_how_read(table, fired)
     return after, [*after.notes], {table: _replacing(table, earlier_content, content)}
 
 

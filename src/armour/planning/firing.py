@@ -223,15 +223,19 @@ def plan_shots(
     if requirement_fraction != 0.5 and not required:
         conflicts["requirement_fraction"] = "must not be given without a requirement"
     if required and procedure in LIMITED:
-        conflicts["requirement_m_s"] = f"must not be given with {procedure}, which has no requirement"
+        conflicts["requirement_m_s"] = f"must not be given with {procedure}, which cannot decide on a requirement"
     if half_width_m_s and required and is_bayesian:
         conflicts["half_width_m_s"] = "must not be given with a requirement, which ends the firing"
     if limits_m_s and limits_m_s[0] >= limits_m_s[1]:
-        conflicts["limits_m_s"] = "must rise, found {:g} and {:g}".format(*limits_m_s)
+        conflicts["limits_m_s"] = "the lower limit must be less than the upper one, found {:g} and {:g}".format(
+            *limits_m_s
+        )
     refuse(Problem("plan_shots", key, message) for key, message in conflicts.items())
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
+    far = (far_from(expectation.limit_m_s, velocity) for velocity in shots.velocities_m_s if limit or limits_m_s)
+    refuse(Problem(shots.file, "velocity_m_s", message) for message in [*filter(None, far)][:1])
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
@@ -304,7 +308,7 @@ def _expected_v50(
         low, high = min(low, (1.0 - WIDE) * middle), max(high, (1.0 + WIDE) * middle)
         source = f"within {100.0 * WIDE:g} % of the middle of the shots"
     else:
-        raise mistake("plan_shots", "scenario", "must be given, or shots, or limits of V50")
+        raise mistake("plan_shots", "scenario", "give a scenario, a table of shots, or --lower-m-s and --upper-m-s")
     middle = 0.5 * (low + high)
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 
@@ -357,5 +361,5 @@ def far_from(limit_m_s: float, velocity_m_s: float) -> str:
     """Return the message that a velocity is too far from the expected V50, `limit_m_s`, to be right, else ""."""
     if limit_m_s / 3.0 <= velocity_m_s <= limit_m_s * 3.0:
         return ""
-    near = f"must be near the V50 expected, {limit_m_s:.0f} m/s: a third to three times it"
+    near = f"must be between a third of the expected V50, {limit_m_s:.0f} m/s, and three times it"
     return f"{near}, found {velocity_m_s:g}; is it in m/s?"

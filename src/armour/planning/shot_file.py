@@ -84,7 +84,7 @@ def with_shot(
 
 
 def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Collection[str] = ()) -> tuple[bytes, str]:
-    """Return the content of a file of shots without the last shot, and the line of this shot, with its number.
+    """Return the content of a file of shots without the last shot, and the line of this shot, after its number.
 
     It is the last one that counts and has the cells `where`, by column; columns to `ignore` do not divide the shots.
     """
@@ -99,7 +99,7 @@ def without_last(path: Path, where: Mapping[str, str] | None = None, ignore: Col
     encoding, errors = (source.encoding, "strict") if is_utf16 else ("utf-8", "surrogateescape")
     lines = [*StringIO(content.decode(encoding, errors), newline="")]
     taken = lines.pop(int(rows[-1].place.removeprefix("line ")) - 1)
-    return "".join(lines).encode(encoding, errors), f"{rows[-1].place}, {taken.strip()}"
+    return "".join(lines).encode(encoding, errors), f"{rows[-1].place}: {taken.strip()}"
 
 
 def _open_csv(path: Path, content: bytes) -> Source:

@@ -122,8 +122,10 @@ def _own_tests(reported: Scenario) -> Iterator[ReportSection]:
         tests = next((value.tests for value in entry.values.values() if value.tests), [])
         if entry.evidence is not None and tests:
             source = f"{entry.name}: {entry.evidence.source}, calibrated with armour."
-            keys = dict.fromkeys(key for test in tests for key in test)
-            columns = ((Column.of(key), lambda test, key=key: test.get(key)) for key in keys)
+            labels = {key: key * (key == "outcome") for test in tests for key in test}  # of the model's by default
+            columns = (
+                (Column.of(key, label=word), lambda test, key=key: test.get(key)) for key, word in labels.items()
+            )
             yield ReportSection("Own tests", (source,), tables=(Table.of(tests, *columns),))
 
 

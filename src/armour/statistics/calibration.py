@@ -399,7 +399,7 @@ def _origin_warnings(tests: Tests, residuals: Sequence[Residual]) -> Iterator[st
     deviations = deviations - deviations.mean() if places else deviations
     for column in ORIGINS:
         names = np.array([str(tests.cells[tests.measurements[i].test].get(column, "")) for i in places])
-        remedy = "find out what differed, and make it a column"
+        remedy = "find out what differed, and give it as a column of inputs"
         if column in SERIES_COLUMNS:
             remedy = "the probabilities allow for it, but the intervals of the fitted inputs do not"
         elif len(days := _day_numbers(names)) and np.ptp(days):

@@ -11,7 +11,7 @@ import numpy as np
 from armour import csv_files
 from armour.analysis.results import by_column, data_frame
 from armour.analysis.variants import Floats, Ints, Variants, variants_of
-from armour.columns import column_of, perforates, unit_of
+from armour.columns import Column, column_of, perforates
 from armour.csv_files import CsvRow, Source, TableRead
 from armour.errors import InputError, counted, joined
 from armour.scenario.checked import Names, Table, checked
@@ -208,6 +208,10 @@ def read_open_tests(
         row.texts[VELOCITY], row.texts[OUTCOME] = row.texts.pop(LIMIT), bounds[row.place]
         if LIMIT in row.numbers:
             row.numbers[VELOCITY] = row.numbers.pop(LIMIT)
+    if not any({*MEASURED, OUTCOME} & row.texts.keys() for row in rows):
+        found = f"one of {', '.join((*MEASURED, OUTCOME))}, found {joined(source.header)}"
+        source.wrong("", f"must have a column of a measurement with values, {found}")
+        source.refuse()
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     # A shot needs its velocity, a limit has none.
@@ -240,7 +244,8 @@ def read_open_tests(
 
 def _unread_warnings(ignored: Sequence[str]) -> Iterator[str]:
     """Yield a warning of the columns in `ignored` that may be inputs or uncertainties by their units, if any may."""
-    names = [name for name in ignored if unit_of(name) in ("mm", "°", "m/s") and not column_of(name, NUMBERS).known]
+    units = "mm", "°", "m/s"
+    names = [name for name in ignored if Column(name).key_unit in units and not column_of(name, NUMBERS).known]
     if names:
         yield (
             f"not read: {joined(names)}; the name of an input is its key, such as armour.ceramic_thickness_mm, and "

@@ -57,7 +57,7 @@ def repeated(tests: Tests) -> Iterator[str]:
     if count > 1:
         yield (
             f"{count} of {len(tests.cells)} tests are among those that the model error comes from; written as own "
-            "tests, they count twice"
+            "tests, they count twice: leave them out"
         )
 
 

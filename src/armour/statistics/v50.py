@@ -443,15 +443,18 @@ def shots_of(
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
     results = [perforates(text) for text in words]
+    formula = "; a formula without a calculated value: open and save the workbook" * bool(source.sheet)
+    keys = [column.key for column in columns_of(source.header, SHOTS.keys)]
+    of_velocity, of_result = (source.title(keys.index(key)) for key in SHOTS.needed)
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
         if not written:
-            source.wrong(f"{row.place}: velocity_m_s", "is missing and must be given")
+            source.wrong(f"{row.place}: {of_velocity}", f"is missing and must be given{formula}")
         elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:
             message = f"must be at least {MIN_VELOCITY_M_S:g} and at most {MAX_VELOCITY_M_S:g}, found {written}"
-            source.wrong(f"{row.place}: velocity_m_s", f"{message}; is it in m/s?")
+            source.wrong(f"{row.place}: {of_velocity}", f"{message}; is it in m/s?")
         if result is None:
-            source.wrong(f"{row.place}: result", csv_files.wrong_result(text))
+            source.wrong(f"{row.place}: {of_result}", csv_files.wrong_result(text))
     for name, values in table.groups.items():
         if len({*values}) > 1 and csv_files.targets_of(source, table, name, results):
             source.divided(name, values, "shot")
@@ -574,14 +577,11 @@ def v50(
             message = f"must give scale_percent, degrees_of_freedom and source for a prior: {no_error(scenario)}"
             raise mistake(scenario.file, "uncertainty.model", message)
         model_prior = FiringPrior(model.ballistic_limit_m_s, model.model_error)
-        before, after = (
-            posterior_of(model_prior, (), ()),
-            posterior_of(model_prior, shots.velocities_m_s, shots.complete),
-        )
+        before = posterior_of(model_prior, (), ())
+        after = posterior_of(model_prior, shots.velocities_m_s, shots.complete)
         prior_estimate, posterior_estimate, share, contradictions = learned(before, after, confidence)
-    subject = f"V50 of the shots in {Path(shots.file).name}"
-    if scenario is not None:
-        subject += f": {scenario.subject(ANY_VELOCITY)}"
+    is_outside = recommended and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s)
+    armour_and_round = f": {scenario.subject(ANY_VELOCITY)}" if scenario else ""
     return FiringResult(
         shots=len(shots.complete),
         complete=len(complete),
@@ -607,9 +607,7 @@ def v50(
         zone_of_mixed_results_m_s=max(partial[-1] - complete[0], 0.0) if partial and complete else None,
         bounded_confidence=level,
         bounded_interval_m_s=interval,
-        extrapolated=recommended is not None
-        and level is None
-        and not min(shots.velocities_m_s) <= recommended.v50_m_s <= max(shots.velocities_m_s),
+        extrapolated=bool(is_outside and level is None),
         further=_further_shot(partial, complete, confidence) if likelihood and level != confidence else None,
         at=at,
         velocity_of=velocity_of,
@@ -620,7 +618,7 @@ def v50(
         producers_risk=rejecting,
         fired=shots,
         expected_limit_m_s=model.expected_limit_m_s if model else None,
-    ).of(subject, scenario=scenario, shots=shots)
+    ).of(f"V50 of the shots in {Path(shots.file).name}{armour_and_round}", scenario=scenario, shots=shots)
 
 
 def _rising_curves(
@@ -744,11 +742,12 @@ def check_shots(shots: Shots, *, kinds: int, decides: bool = False) -> None:
         present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
         message = f"must have at least one {least}, found {present}"
-        message += "; armour plan shots gives the next velocity, or decides a requirement" * (count > 0)
+        more = "; armour plan shots gives the next velocity, and decides on a requirement with results of one kind"
+        message += more * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
     remarks = shots.read.warnings if shots.read and decides else ()
-    remedy = "for a requirement, leave shots out by a column counts, or --ignore this one"
+    remedy = 'for a requirement, a column "counts" with "no" leaves shots out; or --ignore this one'
     refuse(Problem(shots.file, "", f"{remark}; {remedy}") for remark in remarks)
 
 

@@ -55,7 +55,7 @@ def test_many_tests_are_their_errors_and_the_farthest(calibration: CalibrationRe
         for name, off in zip("abcd", range(4), strict=True)
     )
     shown = facts(view.tables_of_calibration(replace(calibration, residuals=(*calibration.residuals, *limits))))
-    assert shown["tests"] == "6, mean error 2.0 %, 1 outcome not met"
+    assert shown["tests"] == "6, mean error 2.0 %, 1 outcome contradicts the fit"
     assert shown["farthest"] == "1 +2.0 %, d +0.4 %, c +0.3 %"
 
 

@@ -37,7 +37,7 @@ def _facts_of(plan: ShotPlan) -> dict[str, str]:
     found, count = plan.posterior, len(plan.fired.complete)
     shots = f"{count} so far"
     if plan.next_velocity_m_s is not None and plan.procedure == "bayesian":
-        shots += f", about {_number_of_shots(plan.expected_shots)} to go"
+        shots += f", {'about ' * (plan.expected_shots is not None)}{_number_of_shots(plan.expected_shots)} to go"
         shots += "" if plan.half_width_m_s is None else f" until V50 is known to ± {plan.half_width_m_s:g} m/s"
     shots += "" if plan.consumers_risk is None else f"; both risks at most {percent(plan.consumers_risk)}"
     v50 = f"{found.v50_m_s:.0f} m/s expected ({between(plan.confidence, found.v50_interval_m_s, '.0f')})"

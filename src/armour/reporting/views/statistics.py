@@ -28,7 +28,7 @@ def influence_table(result: UncertaintyResult) -> Table:
     return Table.of(
         result.inputs,
         (Column("because of", prose=True), lambda item: Column.of(item.input).label),
-        (Column("limit at its 5 % and 95 %"), lambda item: f"{interval(item.limits_m_s, '.0f')} m/s"),
+        (Column("limit at its 5 % and 95 % quantiles"), lambda item: f"{interval(item.limits_m_s, '.0f')} m/s"),
     )
 
 
@@ -201,7 +201,7 @@ def _tests_words(result: CalibrationResult) -> str:
     if result.left_out_error_percent is not None:
         words.append(f"each predicted from the others {result.left_out_error_percent:.1f} %")
     if missed := sum(not residual.met for residual in result.residuals):
-        words.append(f"{counted(missed, 'outcome')} not met")
+        words.append(f"{counted(missed, 'outcome')} contradict{'s' * (missed == 1)} the fit")
     return ", ".join(words)
 
 
@@ -238,9 +238,9 @@ PENALISED = "intervals by penalised likelihood; with few shots those of maximum 
 # Words by the rule for the span of the shots that a mean averages.
 MEANS = {"usual span": "MIL-STD-662F", "given span": "span as given", "no usual rule": "no usual rule"}
 FIXED = (
-    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 13 %; they hold for "
-    "shots whose number did not depend on their results; armour plan shots --requirement-m-s decides at any time, with "
-    "more shots and bounded risks"
+    "the risks are approximate: where the scatter far exceeds the steps between shots, 5 % may be 13 %; they hold only "
+    "if the number of shots was fixed beforehand; armour plan shots --requirement-m-s may decide after any shot, with "
+    "bounded risks, but needs more shots"
 )
 
 
@@ -350,13 +350,11 @@ def estimates(result: FiringResult) -> list[Table | str]:
 def _facts_of(result: FiringResult) -> dict[str, str]:
     """Return what V50 rests on, by label."""
     mean, fit, posterior, facts = result.mean, result.recommended, result.posterior, dict[str, str]()
-    if mean is None:
-        means = ((f"{m.pairs} + {m.pairs} within {m.span_m_s:.3g} m/s", m.span_allowed_m_s) for m in result.means)
-        spans = [f"{within}, {allowed:.3g} allowed" for within, allowed in means]
-        facts["mean"] = f"none: {'; '.join(spans) or 'too few shots of each kind'}"
-    else:
-        shots = f"{mean.pairs} + {mean.pairs} shots within {mean.span_m_s:.3g} m/s"
-        facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {shots}, {mean.span_allowed_m_s:.3g} allowed ({MEANS[mean.rule]})"
+    spans = ((m.pairs, round(m.span_m_s, 1), round(m.span_allowed_m_s, 1)) for m in result.means)
+    means = [f"{pairs} + {pairs} shots within {span:g} m/s, {allowed:g} allowed" for pairs, span, allowed in spans]
+    facts["mean"] = f"none: {'; '.join(means) or 'too few shots of each kind'}"
+    if mean is not None:
+        facts["mean"] = f"{mean.v50_m_s:.0f} m/s of {means[-1]} ({MEANS[mean.rule]})"
     highest, lowest = result.highest_partial_m_s, result.lowest_complete_m_s
     ends = [] if highest is None else [f"highest stopped {highest:.0f} m/s"]
     ends += [] if lowest is None else [f"lowest perforated {lowest:.0f} m/s"]
@@ -378,8 +376,8 @@ def _facts_of(result: FiringResult) -> dict[str, str]:
 
 
 ONE_SCATTER = (
-    "a difference supposes that the lots have one scatter; of several pairs, all intervals hold together with the "
-    "confidence, and each p is multiplied by their number"
+    "the difference supposes that the lots have the same scatter; with several pairs, the confidence is that of all "
+    "intervals together, and each p is multiplied by the number of pairs"
 )
 
 
