@@ -297,24 +297,18 @@ class Designs:
         """Return the places of the designs on offer of a pair, given its index, in the order of the objective."""
         return self.offered[self.columns.pair[self.offered] == pair]
 
-    def frontier_backings(self, best: int) -> Floats:
-        """Return the back plate thicknesses for the frontier of the pair of the design at place `best`, mm.
-
-        They are all that the pair has; of very many, only every second, third, and so on is taken.  That of the best
-        design is always included.
-        """
-        backings = np.unique(self.columns.backing_mm[self.of_pair(int(self.columns.pair[best]))])
-        return np.append(backings[:: -(-len(backings) // MOST_BACKINGS)], self.columns.backing_mm[best])
-
     def frontier(self, best: int, least: int) -> Ints:
         """Return for each back plate the place of the design with the thinnest ceramic that reaches `least`.
 
-        The back plates are the `frontier_backings` of the design at place `best`; one without such a ceramic is left
-        out.  The lowest limits count, and so do the sampled probabilities.
+        The back plates are all that the pair of the design at place `best` has; of very many, only every second, third,
+        and so on is taken, and that of the design.  One without such a ceramic is left out.  The lowest limits count,
+        and so do the sampled probabilities.
         """
         ceramics, backings = self.columns.ceramic_mm, self.columns.backing_mm
         remaining = self.of_pair(int(self.columns.pair[best]))
-        remaining = remaining[np.isin(backings[remaining], self.frontier_backings(best))]
+        every = np.unique(backings[remaining])
+        taken = np.append(every[:: -(-len(every) // MOST_BACKINGS)], backings[best])
+        remaining = remaining[np.isin(backings[remaining], taken)]
         remaining = remaining[self.verdicts(remaining) >= least]
         remaining = remaining[np.lexsort((ceramics[remaining], backings[remaining]))]
         frontier = remaining[:0]

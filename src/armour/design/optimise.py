@@ -165,8 +165,6 @@ class DesignResult(TableResult):
         stops the threats, mm.
     notes : tuple of Note
         Caveats about the best design and those of other pairs, and ranges of thicknesses at whose end it lies.
-    without_mm : tuple of float
-        Back plate thicknesses of the best pair on which no ceramic passes, mm; the frontier leaves them out.
     """
 
     minimised: str
@@ -182,7 +180,6 @@ class DesignResult(TableResult):
     notes: tuple[Note, ...]
     pareto: tuple[Design, ...] = ()
     not_monotonic_mm: tuple[float, ...] = ()
-    without_mm: tuple[float, ...] = ()
 
     @property
     def shown(self) -> BestDesign:
@@ -249,12 +246,11 @@ def optimise(
     reason, criteria = REASONS.get(shown.check.verdict, ""), tuple(catalogue.section.pareto or ())
     notes = [*shown.check.notes, *catalogue.omissions(), *_notes_on_other_pairs(shown, pairs)]
     frontier = front = np.empty(0, dtype=np.int64)
-    without_mm, not_monotonic_mm = list[float](), tuple[float, ...]()
+    not_monotonic_mm: tuple[float, ...] = ()
     if least > FAILS:
         frontier = designs.frontier(place, least)
         front = pareto(designs, criteria, least) if criteria else front
         backings_mm, failures = designs.columns.backing_mm[frontier], sorted(designs.thicker_failures())
-        without_mm = np.setdiff1d(designs.frontier_backings(place), backings_mm).tolist()
         not_monotonic_mm = tuple(mm for mm in backings_mm.tolist() if (pair, "ceramic", mm) in failures)
         notes += [*_notes_on_range_ends(catalogue, pair, shown), *_notes_on_thicker_failures(catalogue, failures)]
     return DesignResult(
@@ -271,7 +267,6 @@ def optimise(
         notes=tuple(notes),
         pareto=as_results(designs, front),
         not_monotonic_mm=not_monotonic_mm,
-        without_mm=tuple(without_mm),
     ).of(_subject(catalogue, is_found=not reason), scenario=scenario)
 
 
