@@ -301,4 +301,4 @@ def plan_shots(
         _propose("v50", table, scenario, changes, asked)
     elif planned.next_velocity_m_s is not None and updated is None:
         shot_words = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"
-        runner.propose(f"after the shot, repeat this command with {'' if table else 'shots.csv '}{shot_words}")
+        runner.propose(f"fire, add {'' if table else 'shots.csv '}{shot_words}")
