@@ -41,9 +41,7 @@ LIMITS = {
 def v50(
     table: Path = options.argument("SHOTS", SHOTS, words=completion.tables),
     scenario: Path | None = options.OPTIONAL_SCENARIO,
-    pairs: Any = options.number(
-        "Shots of each kind in the MIL-STD-662F mean; by default the largest allowed of 5, 3, 2."
-    ),
+    pairs: Any = options.number("Shots of each kind in the MIL-STD-662F mean; by default the most of 5, 3, 2 allowed."),
     span_m_s: Any = options.number("Greatest span of their velocities, m/s; by default the usual one for 5, 3 or 2."),
     confidence: Any = options.share("Confidence level of the intervals; by default 0.95."),
     prior: bool = options.flag("Add the posterior of V50, whose prior is the scenario's expected limit.", "--prior"),
@@ -86,8 +84,8 @@ def v50(
     check_outputs(*outputs, inputs=[table, loaded], force=force)
     only_one = "cannot be combined with --each"
     check_options(("--csv", csv and each is not None, only_one), ("--plot", plot and each is not None, only_one))
-    asked = options.given(requirement_m_s=requirement_m_s, requirement_fraction=requirement_fraction)
-    asked |= options.given(confidence=confidence)
+    required = {"requirement_m_s": requirement_m_s, "requirement_fraction": requirement_fraction}
+    asked = options.given(**required, confidence=confidence)
     settings = asked | options.given(pairs=pairs, span_m_s=span_m_s, prior=prior, at_m_s=at_m_s, fraction=fraction)
     choice = Choice(chosen(where), ignore or (), sheet)
     with progress("impacts") as count, runner.as_options("v50"):
@@ -106,7 +104,7 @@ def v50(
     }
     answer(found, loaded, files, plot=plot, file=_files_read(table, loaded), as_json=as_json, verbose=verbose)
     if each is None and found.decision == "not decided":
-        _propose("plan_shots", table, scenario, changes, asked | options.given(where=where, ignore=ignore, sheet=sheet))
+        _propose("plan_shots", table, scenario, changes, {**asked, "where": where, "ignore": ignore, "sheet": sheet})
     elif each is None and loaded is not None and not found.decision and found.bounded_confidence == CONFIDENCE:
         low, high = found.bounded_interval_m_s
         measured = f"{found.recommended.v50_m_s:.0f} ± {0.25 * (high - low):.0f} m/s"
@@ -191,11 +189,8 @@ def _table_and_scenario(first: Any, second: Any) -> tuple[Any, Any]:
 
 def _propose(command: str, table: Any, scenario: Any, changes: list[str] | None, asked: dict[str, Any]) -> None:
     """Print the command to go on with on the same files; `asked` are the options given that its question repeats."""
-    words = ["armour", *command.split("_"), *map(runner.source_word, filter(None, (table, scenario)))]
-    for name, value in (asked | {"set": runner.accepted(changes or (), ANSWERS[command].reads)}).items():
-        for each in value if isinstance(value, list) else [value]:
-            words += [f"--{name.replace('_', '-')}", str(each)]
-    runner.propose(shell_line(words))
+    files = map(runner.source_word, filter(None, (table, scenario)))
+    runner.propose(shell_line(["armour", *command.split("_"), *files, *runner.repeated(command, changes, **asked)]))
 
 
 def _files_read(table: Path | None, scenario: Scenario | None) -> str:
@@ -220,9 +215,7 @@ def plan_shots(
     ),
     half_width_m_s: Any = options.number("Half width of the interval of V50 that ends the firing, m/s; by default 15."),
     confidence: Any = options.share("Confidence level of the interval, and of the requirement; by default 0.95."),
-    requirement_m_s: Any = options.number(
-        "Required velocity, m/s; the firing ends once the shots decide if it is met."
-    ),
+    requirement_m_s: Any = options.number("Required velocity, m/s; the firing ends once the shots decide on it."),
     requirement_fraction: Any = REQUIREMENT_FRACTION,
     scatter_percent: Any = options.number("Expected scatter, the standard deviation, in % of V50; by default 2.0."),
     scatter_factor: Any = options.number("Geometric standard deviation of the expected scatter; by default 2.0."),
@@ -297,7 +290,7 @@ def plan_shots(
         if planned.unanswered:
             raise typer.Exit(runner.NO_ANSWER)
     elif planned.next_velocity_m_s is None and len({*planned.fired.complete}) == 2:
-        asked = options.given(confidence=confidence, where=where, ignore=ignore, sheet=sheet)
+        asked = {"confidence": confidence, "where": where, "ignore": ignore, "sheet": sheet}
         _propose("v50", table, scenario, changes, asked)
     elif planned.next_velocity_m_s is not None and updated is None:
         shot_words = f"--velocity-m-s {planned.next_velocity_m_s:.0f} --result stopped (or perforated)"

@@ -99,11 +99,9 @@ def plan_after(
         notes.append(Note(words))
     content = with_shot(table, velocity, result, choice.where, target)
     after = plan(say_how_read(table, choice.shots_in(table, content)))
-    written = open_table(table, is_of_shots, content=content)
-    *_, (place, cells) = written.lines
+    *_, (place, cells) = open_table(table, is_of_shots, content=content).lines
     if len(cells) > len(SHOTS.keys):
-        filled = (f"{name} {cell}" for name, cell in zip(written.header, cells, strict=False) if cell)
-        say(f"note: {table}: added {place}: {', '.join(filled)}")
+        say(f"note: {table}: added {place}: {'; '.join(filter(None, cells))}")
     if velocity_m_s is None:
         say(f"note: {table}: recorded the planned {velocity:g} m/s, as --velocity-m-s was not given")
     return after, [*notes, *after.notes], {table: _replacing(table, earlier_content, content)}

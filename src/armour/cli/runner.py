@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import armour
-from armour.analysis.quantities import Answer
+from armour.analysis.quantities import ANSWERS, Answer
 from armour.analysis.results import made_by
 from armour.cli.console import emit, say, show, show_json
 from armour.errors import ArmourError, InputError, Note, Problem, mistake, refuse, restated
@@ -174,6 +174,16 @@ def say_how_read(table: object, content: Content) -> Content:
 def accepted(changes: Iterable[str], reads: Collection[str]) -> list[str]:
     """Return the changes of ``--set`` whose keys are among those that a command ``reads``, or below them."""
     return [text for text in changes if all(is_read(key, reads) for key in values_by_key(changes_of([text])))]
+
+
+def repeated(command: str, changes: Iterable[str] | None, **asked: Any) -> list[str]:
+    """Return options as words of the command to go on with; omit changes of keys that it does not read."""
+    words, read = list[str](), accepted(changes or (), ANSWERS[command].reads)
+    for name, value in {**asked, "set": read}.items():
+        for each in value if isinstance(value, list) else [value]:
+            # None and False are options that are not given.
+            words += [f"--{name.replace('_', '-')}", *[str(each)] * (each is not True)] * (each not in (None, False))
+    return words
 
 
 def source_word(file: str | Path) -> str:

@@ -205,7 +205,9 @@ def check(
     if is_one and not as_json:
         command, words = views.next_step(results[0])
         if command:
-            typed = _options_to_repeat(command, changes, probability, by_model=by_model and command != "report")
+            typed = runner.repeated(
+                command, changes, probability=probability, by_model=by_model and command != "report"
+            )
             _propose(command, scenarios[0], typed, words)
         elif words:
             runner.propose(words)
@@ -231,15 +233,7 @@ def _with_moves(data: Sequence[dict[str, Any]], moves: Sequence[Moved]) -> list[
 def _propose(command: str, scenario: "armour.Scenario", typed: Sequence[str], words: str = "") -> None:
     """Print the command to go on with for a scenario; `typed` are the options given, and `words` stand at its end."""
     if scenario.file != runner.STANDARD_INPUT:
-        line = shell_line(["armour", command, runner.source_word(scenario.file), *typed])
-        runner.propose(f"{line} {words}".rstrip())
-
-
-def _options_to_repeat(command: str, changes: Sequence[str] | None, probability: Any, *, by_model: bool) -> list[str]:
-    """Return the options given, as words of the command to go on with; omit changes of keys that it does not read."""
-    asked = [] if probability is None else ["--probability", f"{probability:g}"]
-    read = runner.accepted(changes or (), ANSWERS[command].reads)
-    return [*asked, *["--by-model"] * by_model, *(word for change in read for word in ("--set", change))]
+        runner.propose(f"{shell_line(['armour', command, runner.source_word(scenario.file), *typed])} {words}".rstrip())
 
 
 def optimise(
@@ -280,7 +274,8 @@ def optimise(
         words = " not written: the nearest design FAILS" if fails else ": not known whether this design holds"
         say(f"{save}{words}")
     if not as_json:
-        _propose_after(result, loaded, _options_to_repeat("optimise", changes, probability, by_model=by_model), save)
+        typed = runner.repeated("optimise", changes, probability=probability, by_model=by_model)
+        _propose_after(result, loaded, typed, save)
     if result.reason:
         raise typer.Exit(runner.NO_ANSWER)
 

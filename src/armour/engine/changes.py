@@ -1,7 +1,7 @@
 """Let a program change equations of the model for as long as a context lasts, and tell which are changed."""
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import wraps
 from inspect import isfunction, signature
 from threading import local
@@ -83,21 +83,15 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
     for name, value in changed.items():
         if name not in NAMES:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
-        elif not callable(value):
+        elif not isfunction(value):
             yield Problem("equations", name, f"must be a function, found {value!r}")
-        elif (found := _needed(value)) not in ("", needed := _needed(getattr(model_equations, name))):
+        elif (found := _arguments(value)) != (needed := _arguments(getattr(model_equations, name))):
             yield Problem("equations", name, f"must be a function of {needed}, in this order, found {found}")
 
 
-def _needed(function: Callable[..., Any]) -> str:
-    """Return the names of the arguments that a function needs, as "V, U"; "" if it takes any, or does not tell."""
-    with suppress(ValueError):
-        each = signature(function).parameters.values()
-        if all(parameter.kind != parameter.VAR_POSITIONAL for parameter in each):
-            # An underscore before a name says that it is not used.
-            needed = (parameter.name.lstrip("_") for parameter in each if parameter.default is parameter.empty)
-            return ", ".join(needed) or "none"
-    return ""
+def _arguments(function: Callable[..., Any]) -> str:
+    """Return the names of the arguments of a function, as "V, U"; an underscore before one says that it is not used."""
+    return ", ".join(name.lstrip("_") for name in signature(function).parameters)
 
 
 def _set(module: ModuleType, values: dict[str, Any]) -> None:

@@ -227,20 +227,17 @@ def plan_shots(
     if half_width_m_s and required and is_bayesian:
         conflicts["half_width_m_s"] = "must not be given with a requirement, which ends the firing"
     if limits_m_s and limits_m_s[0] >= limits_m_s[1]:
-        conflicts["limits_m_s"] = "the lower limit must be less than the upper one, found {:g} and {:g}".format(
-            *limits_m_s
-        )
+        conflicts["limits_m_s"] = "the lower one must be less than the upper, found {:g} and {:g}".format(*limits_m_s)
     refuse(Problem("plan_shots", key, message) for key, message in conflicts.items())
     limit = None if scenario is None else ballistic_limit(scenario, on_progress=on_progress)
     model_error = limit.model_error if limit else None
     expectation = FiringPrior(*_expected_v50(limit, shots, limits_m_s), scatter_percent, scatter_factor)
-    far = (far_from(expectation.limit_m_s, velocity) for velocity in shots.velocities_m_s if limit or limits_m_s)
-    refuse(Problem(shots.file, "velocity_m_s", message) for message in [*filter(None, far)][:1])
+    far = {far_from(expectation.limit_m_s, velocity): 0 for velocity in shots.velocities_m_s if limit or limits_m_s}
+    refuse(Problem(shots.file, "velocity_m_s", message) for message in filter(None, far))
     if requirement_m_s is not None and (message := far_from(expectation.limit_m_s, requirement_m_s)):
         raise mistake("plan_shots", "requirement_m_s", message)
     if limits_m_s is not None and model_error is not None and procedure not in LIMITED:
-        message = f"must not be given with {procedure} where the model error is known"
-        raise mistake("plan_shots", "limits_m_s", message)
+        raise mistake("plan_shots", "limits_m_s", f"must not be given with {procedure} where the model error is known")
     limits = (limits_m_s or limits_of(expectation)) if procedure in LIMITED else None
     if half_width_m_s is None and requirement_m_s is None and procedure != "up-and-down":
         half_width_m_s = HALF_WIDTH_M_S

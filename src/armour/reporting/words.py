@@ -118,8 +118,7 @@ def tested_here(error: ModelError) -> list[str]:
     if (here := error.tests_here) is None:
         return []
     count, measured = len(here.limits_m_s), measured_here(here)
-    others = f"the {here.others} other own tests alone"
-    others = {0: "without it", 1: "the other own test alone"}.get(here.others, others)
+    others = {0: "without it", 1: "the other own test alone"}.get(here.others, f"the {here.others} others alone")
     predicted = f"about {here.median_m_s:.0f} ({interval(here.interval_m_s, '.0f')}) m/s"
     words = [f"{f'measured {measured}' if measured else 'tested'} here ({own_tests(here)})", f"{others}: {predicted}"]
     if here.out_of_line:

@@ -26,8 +26,8 @@ USUAL_ERRORS = {
     "numpy": {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"},
     "scipy.special": {"all": "ignore"},
 }
-# Functions that make an object from a file, by the name of its class.
-_MAKERS = {"Scenario": "load_scenario", "Tests": "read_tests", "Shots": "read_shots"}
+# Hints on the functions that make an object from a file, by the name of its class.
+_HINTS = {"Scenario": "; load_scenario makes one", "Tests": "; read_tests makes one", "Shots": "; read_shots makes one"}
 # Words for classes in messages.
 _WORDS: dict[object, str] = {str: "a text", Mapping: "a mapping", Callable: "a function", PathLike: "a path"}
 
@@ -100,8 +100,7 @@ def instance(value: object, *kinds: type[Kind]) -> Kind:
     # A path may be given as a text.
     listed = [kind for kind in kinds if kind is not NoneType and not (kind is str and PathLike in kinds)]
     words = " or ".join(_WORDS.get(kind, f"a {kind.__name__}") for kind in listed)
-    maker = _MAKERS.get(kinds[0].__name__, "")
-    raise ValueError(f"must be {words}, found {_in_words(value)}{f'; {maker} makes one' if maker else ''}")
+    raise ValueError(f"must be {words}, found {_in_words(value)}{_HINTS.get(kinds[0].__name__, '')}")
 
 
 def _in_words(value: object) -> str:

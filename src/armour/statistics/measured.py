@@ -208,10 +208,6 @@ def read_open_tests(
         row.texts[VELOCITY], row.texts[OUTCOME] = row.texts.pop(LIMIT), bounds[row.place]
         if LIMIT in row.numbers:
             row.numbers[VELOCITY] = row.numbers.pop(LIMIT)
-    if not any({*MEASURED, OUTCOME} & row.texts.keys() for row in rows):
-        found = f"one of {', '.join((*MEASURED, OUTCOME))}, found {joined(source.header)}"
-        source.wrong("", f"must have a column of a measurement with values, {found}")
-        source.refuse()
     names = tuple(row.texts.get("test", row.place) for row in rows)
     repeated_names = {name for name, count in Counter(names).items() if count > 1}
     # A shot needs its velocity, a limit has none.
@@ -247,10 +243,7 @@ def _unread_warnings(ignored: Sequence[str]) -> Iterator[str]:
     units = "mm", "°", "m/s"
     names = [name for name in ignored if Column(name).key_unit in units and not column_of(name, NUMBERS).known]
     if names:
-        yield (
-            f"not read: {joined(names)}; the name of an input is its key, such as armour.ceramic_thickness_mm, and "
-            f"that of the uncertainty of a limit {MEASURED[LIMIT]}"
-        )
+        yield f"not read: {joined(names)}; an input is named by its key, the uncertainty of a limit {MEASURED[LIMIT]}"
 
 
 def open_tests(path: Table, notes: Sequence[str] = (), sheet: str | None = None) -> Source:

@@ -742,8 +742,7 @@ def check_shots(shots: Shots, *, kinds: int, decides: bool = False) -> None:
         present = f"only {'complete' if shots.complete[0] else 'partial'} ones" if count else "none"
         least = "partial and one complete penetration" if kinds == 2 else "shot"
         message = f"must have at least one {least}, found {present}"
-        more = "; armour plan shots gives the next velocity, and decides on a requirement with results of one kind"
-        message += more * (count > 0)
+        message += "; armour plan shots gives the next velocity, and decides with results of one kind" * (count > 0)
     if message:
         raise mistake(shots.file, "", message)
     remarks = shots.read.warnings if shots.read and decides else ()

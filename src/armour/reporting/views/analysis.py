@@ -186,10 +186,8 @@ def crossings(result: LimitResult) -> list[Table | str]:
 def tests_words(result: LimitResult) -> str:
     """Return the tests from which the limit is expected, or why it is not known, and the tests of this very armour."""
     here = measured_here(result)
-    if (error := result.model_error) is None:
-        source = f"not known: {result.reason}" if result.reason else ""
-    else:
-        source = error.source.replace(" tests of ", " of ", 1)
+    source = f"not known: {result.reason}" if result.reason else ""
+    source = result.model_error.source.replace(" tests of ", " of ", 1) if result.model_error else source
     measured = f"{len(here)} of this very armour: {limits_in_words(here)}" if here else ""
     return "; ".join(filter(None, (source, measured)))
 

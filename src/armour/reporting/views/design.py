@@ -197,8 +197,7 @@ def limit_words(threat: CheckedThreat) -> str:
 
 def tests_words(threat: CheckedThreat) -> str:
     """Return the tests that the expected limit rests on; own tests of this very armour come first."""
-    error = threat.model_error
-    if error is None:
+    if (error := threat.model_error) is None:
         return ""
     if (here := error.tests_here) is not None:
         measured, own = phrases.measured_here(here), phrases.own_tests(here)

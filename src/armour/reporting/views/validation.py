@@ -159,8 +159,7 @@ def tables_of_suite(result: SuiteResult) -> list[Table | str]:
     rows += [(summary.full_name, held_to(summary)) for summary in result.summaries if summary.status == "outside"]
     notes = [f"{name}: {note}" for name, note in rows]
     if unfilled := result.count("no expected value"):
-        has, it = ("has", "it") if unfilled == 1 else ("have", "them")
-        notes.append(f"{counted(unfilled, 'case')} {has} no expected value yet; --update fills {it} in")
+        notes.append(f"{counted(unfilled, 'case')} without an expected value, which --update fills in")
     return [*shown, *([""] if notes else []), *notes]
 
 
