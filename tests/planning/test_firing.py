@@ -127,7 +127,7 @@ def test_a_stated_error_is_a_prior_and_an_unknown_one_is_wide():
     [
         ({"requirement_fraction": 0.1}, "requirement_fraction: must not be given without a requirement"),
         ({"limits_m_s": (600.0, 900.0)}, "limits_m_s: must not be given with bayesian"),
-        ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: the lower limit must be less .* 900 and 6"),
+        ({"limits_m_s": (900.0, 600.0), "procedure": "neyer"}, "limits_m_s: the lower one must be less .* 900 and 6"),
         ({"requirement_m_s": 700.0, "procedure": "neyer"}, "requirement_m_s: must not be given with neyer"),
         ({"requirement_m_s": 700.0, "half_width_m_s": 9.0}, "half_width_m_s: must not be given with a requirement"),
         ({"limits_m_s": (700.0,), "procedure": "langlie"}, r"limits_m_s\[1\]: is missing and must be given"),

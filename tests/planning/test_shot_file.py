@@ -57,6 +57,9 @@ def test_a_shot_that_repeats_another_is_another_shot(tmp_path: Path):
         ("velocity_m_s,result,counts\n735.5,P,\n800,C,no\n", "utf-8", "750,C,\n"),
         ("v (m/s),v (ft/s),PP,CP\n700,2296.6,x,\n800,2624.7,,x\n", "utf-8", "750,2460.62992,,x\n"),
         ("v (m/s);Ergebnis;ung\u00fcltig\n735,5;kein Durchschlag;nein\n", "utf-8", "750;Durchschlag;nein\n"),
+        ("v (m/s);Ergebnis;gewertet\n735,5;PP;\n740;PP;nein\n755,5;CP;\n", "utf-8", "750;CP;\n"),
+        ("V1 (m/s),V2 (m/s),result\n700,702,P\n730,728,C\n", "utf-8", "750,750,C\n"),
+        ("velocity_m_s,result,armour and round\n735.5,P,a b\n755.5,C,a b\n", "utf-8", "750,C,a b\n"),
     ],
 )
 def test_a_shot_is_written_as_the_others_are(tmp_path: Path, text: str, encoding: str, row: str):
@@ -68,22 +71,6 @@ def test_a_shot_is_written_as_the_others_are(tmp_path: Path, text: str, encoding
     shots = read_shots(path)
     assert (shots.complete[0], shots.complete[-1]) == (False, True)
     assert shots.velocities_m_s[-1] == pytest.approx(750.0, rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("text", "encoding", "row"),
-    [
-        ("v (m/s);Ergebnis;gewertet\n735,5;PP;\n740;PP;nein\n755,5;CP;\n", "utf-8", "750;CP;\n"),
-        ("V1 (m/s),V2 (m/s),result\n700,702,P\n730,728,C\n", "utf-8", "750,750,C\n"),
-        ("velocity_m_s,result,armour and round\n735.5,P,a b\n755.5,C,a b\n", "utf-8", "750,C,a b\n"),
-    ],
-)
-def test_a_shot_has_what_the_others_have(tmp_path: Path, text: str, encoding: str, row: str):
-    path = tmp_path / "s.csv"
-    path.write_bytes(text.encode(encoding))
-    path.write_bytes(with_shot(path, 750.0, "complete"))
-    assert path.read_bytes().decode(encoding) == text + row
-    assert read_shots(path).complete == (False, True, True)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])

@@ -284,7 +284,7 @@ def test_a_column_that_may_be_an_input_is_not_left_out_silently(tmp_path: Path, 
             armour.read_tests(tmp_path / "t.csv", scenario())
     tests = armour.read_tests(tmp_path / "t.csv", scenario(), ignore=name)
     [warning] = armour.calibrate(tests, scenario()).warnings[:1]
-    assert warning.startswith(f"not read: {name}; the name of an input is its key")
+    assert warning.startswith(f"not read: {name}; an input is named by its key")
 
 
 def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):
@@ -298,11 +298,8 @@ def test_rows_that_sum_up_others_are_left_out(tmp_path: Path):
     ("name", "stopped", "perforated"),
     [
         *(("Result (stopped?)", "yes", "no"), ("R\u00e9sultat (non perfor\u00e9 oui/non)", "oui", "non")),
-        *(
-            ("Durchschlag (0 = ja, 1 = nein)", "1", "0"),
-            ("Perforated (1 = no)", "1", "0"),
-            ("Stopped (0 = yes)", "0", "1"),
-        ),
+        *(("Durchschlag (0 = ja, 1 = nein)", "1", "0"), ("Perforated (1 = no)", "1", "0")),
+        ("Stopped (0 = yes)", "0", "1"),
         *(("Result (0 = perforated, 1 = stopped)", "1", "0"), ("Result (P = partial, C = complete)", "P", "C")),
         *(("Result (witness plate)", "P.P.", "C.P."), ("Perforated (visual)", "no", "yes"), ("Durchschlag", "", "x")),
     ],
@@ -499,7 +496,10 @@ def test_velocities_in_feet_are_named_as_such():
     assert not any("ft/s" in text for text in armour.v50(slow, case, confidence=0.5).warnings)
     rows = [{"armour.ceramic_thickness_mm": 5, "ballistic_limit_m_s": 2170}]
     fitted = armour.calibrate(armour.read_tests(rows, scenario()), scenario())
-    assert "row 1: an own test has a limit that no lot of such armour can have" in fitted.warnings
+    assert (
+        "row 1: a measured limit is impossible for any lot of such armour; check it, its unit and the armour"
+        in fitted.warnings
+    )
 
 
 def test_json_holds_the_shots_and_the_hash_of_their_table(tmp_path: Path):

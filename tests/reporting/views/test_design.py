@@ -130,11 +130,8 @@ def test_pairs_have_their_best_design_or_the_nearest_and_the_verdict_on_it():
 
 
 def test_a_verdict_counts_the_sources_of_the_flow_stress():
-    cells = [
-        view.verdict_cell(check(scenario().replaced({FLOW_STRESS: 10.0}))),
-        view.verdict_cell(check(scenario(ceramic="B4C"))),
-    ]
-    assert cells == ["not known, 0 sources", "not known, 1 source"]
+    few = scenario().replaced({FLOW_STRESS: 10.0}), scenario(ceramic="B4C")
+    assert [view.verdict_cell(check(of)) for of in few] == ["not known, 0 sources", "not known, 1 source"]
 
 
 def test_the_next_step_is_without_settings_that_the_tests_were_not_computed_with():
@@ -145,9 +142,7 @@ def test_the_next_step_is_without_settings_that_the_tests_were_not_computed_with
 
 
 def test_the_next_step_is_no_search_that_would_be_refused():
-    layers = {
-        name: [{"material": each, "thickness_mm": [8.0]}]
-        for name, each in (("ceramic", "AD85"), ("backing", "6061-T6"))
-    }
-    hull = scenario(backing_mm=8.0, velocity=1200.0, design={**layers, "existing": "backing"})
+    tile, plate = ([{"material": name, "thickness_mm": [8.0]}] for name in ("AD85", "6061-T6"))
+    layers = {"ceramic": tile, "backing": plate, "existing": "backing"}
+    hull = scenario(backing_mm=8.0, velocity=1200.0, design=layers)
     assert [view.next_step(check(each))[0] for each in (hull, hull.replaced({BACKING: 7.0}))] == ["optimise", ""]
