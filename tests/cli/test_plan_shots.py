@@ -71,7 +71,7 @@ def test_a_shot_is_taken_back(cli, folder: Path):
 
 def test_what_else_a_new_row_has_is_said(cli, folder: Path):
     (folder / "f.csv").write_text("Shot;V1 (m/s);V2 (m/s);Result;Fair hit\n1;722;722;PP;yes\n")
-    added = "note: f.csv: added line 3: Shot 2, V1 (m/s) 776, V2 (m/s) 776, Result CP, Fair hit yes\n"
+    added = "note: f.csv: added line 3: 2; 776; 776; CP; yes\n"
     assert added in cli(*PLAIN, "--result", "C", "--velocity-m-s", "776").stderr
 
 

@@ -68,7 +68,7 @@ def test_an_update_fills_in_a_regression_value(cli, folder: Path):
     (folder / "suite.toml").write_text(text)
     for options in ((), ("-v",)):
         before = cli("validate", "suite.toml", *options)
-        assert "1 case has no expected value yet; --update fills it in" in before.stdout
+        assert "1 case without an expected value, which --update fills in" in before.stdout
         assert "--verbose shows them" not in before.stdout
         verdict = "1 of 2 within their bands, 1 no expected value"
         assert (before.exit_code, before.stdout.splitlines()[0]) == (3, verdict)

@@ -53,7 +53,6 @@ EVERY = "uncertainties must be given for every measurement and outcome, or for n
             "6,1,700",
             f"rows: armour.x: unknown column; choose from {', '.join(USUAL)} and other",
         ),
-        (f"{C},{B}", "6,6", f"residual_mass_g, outcome, found {C} and {B}"),
         (OUTCOME, "6,700,maybe", 'row 1: outcome: must be "stopped" or "perforated" (or partial or complete, P or C'),
         (f"{C},outcome", "6,stopped", "row 1: impact.velocity_m_s: is missing and must be given with an outcome"),
         (f"{OUTCOME},residual_velocity_m_s", "6,700,stopped,50", "must not be stopped if there is a residual"),

@@ -163,7 +163,7 @@ def test_answers_show_what_was_measured_here_and_what_the_other_tests_say():
         alone = confidence(very(*VERY_TESTS[1:]))
         assert here.median_m_s == pytest.approx(alone.expected_limit_m_s, rel=0.02)
         words = model_error_words(error)
-        assert "measured 905 ± 12 m/s here (1 own test); the 2 other own tests alone: about 10" in words
+        assert "measured 905 ± 12 m/s here (1 own test); the 2 others alone: about 10" in words
         assert words.endswith("rests on one test of this armour: a second V50 would settle it")
     elsewhere = known(confidence(case.replaced({CERAMIC: 8.5})).model_error)
     assert elsewhere.tests_here is None

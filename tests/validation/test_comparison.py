@@ -62,7 +62,7 @@ def test_a_projectile_with_a_known_penetrator_only():
 def test_no_rule_for_other_materials(change: dict[str, Any]):
     result = compare(scenario(**change))
     assert [each.mean_percent for each in result.predictions] == [None, None, None]
-    assert "without tests of this round and these materials; there are 13 tests" in rule_note(result)
+    assert "none of the tests is of this round and these materials; they are 13 tests" in rule_note(result)
 
 
 def test_all_missing_quantities_are_named():

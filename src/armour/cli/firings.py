@@ -95,8 +95,7 @@ def plan_after(
         raise wrong_option("--velocity-m-s", message)
     notes = []
     if planned is not None and abs(velocity - planned) > 0.1 * planned:
-        words = f"the shot added to {table}, at {velocity:g} m/s, is far from the planned velocity, {planned:g} m/s"
-        notes.append(Note(words))
+        notes.append(Note(f"the shot at {velocity:g} m/s added to {table} is far from the {planned:g} m/s planned"))
     content = with_shot(table, velocity, result, choice.where, target)
     after = plan(say_how_read(table, choice.shots_in(table, content)))
     *_, (place, cells) = open_table(table, is_of_shots, content=content).lines

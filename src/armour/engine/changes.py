@@ -73,8 +73,7 @@ def changed_names() -> str:
         for name, value in values.items():
             if getattr(module, name, None) is not value:
                 way_on = f"use with armour.equations({name}=...)" if name in NAMES else "change it in a clone"
-                message = f"has been replaced; {way_on}, or start Python again"
-                raise mistake(f"{module.__name__}.{name}", "", message)
+                raise mistake(f"{module.__name__}.{name}", "", f"has been replaced; {way_on}, or start Python again")
     return " and ".join(dict.fromkeys(_changed))
 
 
@@ -85,13 +84,15 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
         elif not isfunction(value):
             yield Problem("equations", name, f"must be a function, found {value!r}")
-        elif (found := _arguments(value)) != (needed := _arguments(getattr(model_equations, name))):
+        elif (found := _arguments(value)) not in ("any", needed := _arguments(getattr(model_equations, name))):
             yield Problem("equations", name, f"must be a function of {needed}, in this order, found {found}")
 
 
 def _arguments(function: Callable[..., Any]) -> str:
     """Return the names of the arguments of a function, as "V, U"; an underscore before one says that it is not used."""
-    return ", ".join(name.lstrip("_") for name in signature(function).parameters)
+    each = signature(function).parameters.values()
+    needed = ", ".join(one.name.lstrip("_") for one in each if one.default is one.empty)
+    return "any" if any(one.kind is one.VAR_POSITIONAL for one in each) else needed
 
 
 def _set(module: ModuleType, values: dict[str, Any]) -> None:
