@@ -10,7 +10,6 @@ from hashlib import sha256
 from io import BufferedReader, BytesIO, TextIOWrapper
 from itertools import chain, islice, pairwise
 from math import isclose, isfinite, nan
-from operator import ne
 from os import PathLike
 from pathlib import Path
 from statistics import fmean
@@ -548,9 +547,10 @@ def _check_not_dividing(source: Source, name: str, cells: Sequence[str], noun: s
     numbers = [number_as(cell, mark) for cell in cells if cell]
     measured = sorted(number for number in numbers if number is not None)
     low, high = max(pairwise(measured), key=lambda ends: ends[1] - ends[0], default=(0.0, 0.0))
-    if noun == "test" and Column(name).key_unit == "mm" and len(values) > 1:
-        ways = f"name an input by its key, as armour.ceramic_thickness_mm; --ignore {shell_line([name])} leaves it out"
-        source.wrong(name, f"is not read and differs from test to test; {ways}")
+    if noun == "test" and Column(name).key_unit == "mm" and len({*measured}) > 1:
+        source.wrong(
+            name, f"is not read and differs between tests: name it by its key, or --ignore {shell_line([name])}"
+        )
     elif len(measured) < len(numbers) or len(values) <= max(2, len(cells) / 2):
         if 1 < len(values) < len(cells):
             source.divided(name, cells, noun, "is not read and ")
@@ -728,23 +728,17 @@ def _lines_left_out(source: Source, columns: Sequence[Column], lines: Sequence[L
 def _repeated_shots(source: Source, naming: str, rows: Sequence[CsvRow], lines: Sequence[Line]) -> list[str]:
     """Return in words which shots without a name equal earlier ones, and which have the number of an earlier one.
 
-    Any other repeated row, and a shot with two results, are recorded as wrong; `naming` is the key of the column of
-    names.
+    Any other repeated row is recorded as wrong; `naming` is the key of the column of names.
     """
     places: dict[tuple[str, ...], str] = {}
-    named: dict[str, tuple[CsvRow, Sequence[str]]] = {}
-    told = dict[str, list[str]]()
+    named, told = dict[str, str](), dict[str, list[str]]()
     for row, (place, cells) in zip(rows, lines, strict=True):
         first = places.setdefault(tuple(cells), place)
-        other, others = named.setdefault(row.texts.get(naming, place), (row, cells))
-        results = [each.texts.get("result") for each in (row, other)]
         if first != place and naming not in row.texts and {*RESULT_KEYS} & row.texts.keys():
             told.setdefault("equal to an earlier row", []).append(place)
         elif first != place:
             source.wrong(place, f"repeats {first}; if both are meant, name them apart in the column {naming}")
-        elif results[0] != results[1] and sum(map(ne, cells, others)) == 1:
-            source.wrong(place, f"differs from {other.place} in the result alone; leave out the one that is wrong")
-        elif other is not row and results[0]:
+        elif named.setdefault(row.texts.get(naming, place), place) != place and "result" in row.texts:
             told.setdefault("with the number of an earlier shot", []).append(place)
     return [f"{listed(each)} {words}, counted" for words, each in told.items()]
 

@@ -61,7 +61,7 @@ def piped(args: str) -> tuple[int, str, str]:
 
 
 def test_a_reader_that_goes_away_costs_no_file_no_warning_and_no_exit_code(folder: Path):
-    code, output, messages = piped("check unknown_ceramic --csv h.csv")
+    code, output, messages = piped("check uncertain --csv h.csv --set impact.velocity_m_s=850")
     assert (code, output.count("\n")) == (3, 1)
     wrote, warning, *_ = messages.splitlines()
     assert (wrote, (folder / "h.csv").exists(), warning[:9]) == ("wrote h.csv", True, "warning: ")

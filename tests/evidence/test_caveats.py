@@ -198,7 +198,7 @@ def test_a_tile_thinner_than_any_tested_is_far_from_the_tests_in_every_answer():
     """Against 12.7 mm APM2 of 10.9 mm, tests begin at 0.89 diameters, 9.7 mm."""
     thin = scenario("12.7 mm APM2", "SiC", "6061-T6", 3.0, 40.0, velocity=500.0)
     impact, limit, checked = armour.simulate(thin), armour.ballistic_limit(thin), armour.check(thin)
-    far = "far from the tests: SiC (no test), 3 mm tile (tested 9.6 to 13.2 mm, scaled to this round), 40 mm plate "
+    far = "far from the tests: SiC (no test), 3 mm tile (tested 9.7 to 13.2 mm, scaled to this round), 40 mm plate "
     for texts in (texts_of(checked), tables_of_impact(impact), tables_of_limit(limit)):
         assert [text for text in texts if isinstance(text, str) and text.startswith(far)]
     assert any(isinstance(fact, str) and fact.startswith(far) for fact in scenario_report(thin, "").facts)

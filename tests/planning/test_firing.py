@@ -97,7 +97,7 @@ def test_without_a_scenario_limits_or_shots_say_where_v50_may_be():
     assert plan.next_velocity_m_s is not None
     given = plan_shots(limits_m_s=(700.0, 900.0))
     assert given.prior.v50_interval_m_s == pytest.approx((700.0, 900.0), rel=0.01)
-    with pytest.raises(InputError, match="scenario: give a scenario, a table of shots, or --lower"):
+    with pytest.raises(InputError, match="scenario: must be given, or a table of shots"):
         plan_shots()
     with pytest.raises(InputError, match="limits_m_s: must not be given with bayesian where the model error is known"):
         plan_shots(scenario(), limits_m_s=(700.0, 900.0))

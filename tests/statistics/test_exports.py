@@ -117,8 +117,8 @@ def test_equal_rows_without_a_name_are_two_shots(tmp_path: Path):
     assert "line 3 equal to an earlier row, counted" in str(shots.read)
     other = shots_of(tmp_path, "shot,velocity_m_s,result\n1,800,P\n1,801,P\n2,810,C\n")
     assert "line 3 with the number of an earlier shot, counted" in str(other.read)
-    with pytest.raises(InputError, match="line 3: differs from line 2 in the result alone; leave out the one that is"):
-        shots_of(tmp_path, "shot,velocity_m_s,result\n1,800,P\n1,800,C\n2,810,C\n")
+    with pytest.raises(InputError, match="line 4: has the name and velocity of an earlier shot but another result"):
+        shots_of(tmp_path, "shot,velocity_m_s,result,remark\n1,801,P,\n1,800,P,\n1,800,C,first\n2,810,C,\n")
     with pytest.raises(InputError, match="line 3: repeats line 2"):
         shots_of(tmp_path, "shot,velocity_m_s,result\n1,700,P\n1,700,P\n2,720,C\n")
 
@@ -280,7 +280,7 @@ def test_a_column_that_may_be_an_input_is_not_left_out_silently(tmp_path: Path, 
     text = f"test;V50 (m/s);Charge (gr);V50 (ft/s);{name}\n1;700;40;2296,6;6\n2;762;45;2500;8\n"
     (tmp_path / "t.csv").write_text(text)
     if "mm" in name or "inches" in name:
-        with pytest.raises(InputError, match=f"{re.escape(name)}: is not read and differs from test to test"):
+        with pytest.raises(InputError, match=f"{re.escape(name)}: is not read and differs between tests"):
             armour.read_tests(tmp_path / "t.csv", scenario())
     tests = armour.read_tests(tmp_path / "t.csv", scenario(), ignore=name)
     [warning] = armour.calibrate(tests, scenario()).warnings[:1]
@@ -449,7 +449,7 @@ def test_a_workbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     assert "sheet Sheet" in known(armour.read_shots(path).read).words
     book["second"]["A3"] = "=1*2"
     book.save(path)
-    with pytest.raises(InputError, match="row 3: velocity_m_s: is missing and must be given; a formula without a calc"):
+    with pytest.raises(InputError, match="row 3: velocity_m_s: is missing and must be given; if it is a formula"):
         armour.read_shots(path, sheet="second")
     book["second"]["A2"] = "=1*2"
     book.save(path)

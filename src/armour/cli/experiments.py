@@ -189,8 +189,9 @@ def _table_and_scenario(first: Any, second: Any) -> tuple[Any, Any]:
 
 def _propose(command: str, table: Any, scenario: Any, changes: list[str] | None, asked: dict[str, Any]) -> None:
     """Print the command to go on with on the same files; `asked` are the options given that its question repeats."""
-    files = map(runner.source_word, filter(None, (table, scenario)))
-    runner.propose(shell_line(["armour", *command.split("_"), *files, *runner.repeated(command, changes, **asked)]))
+    files = [runner.source_word(file) for file in (table, scenario) if file]
+    if "-" not in files:
+        runner.propose(shell_line(["armour", *command.split("_"), *files, *runner.repeated(command, changes, **asked)]))
 
 
 def _files_read(table: Path | None, scenario: Scenario | None) -> str:

@@ -113,8 +113,8 @@ def check(
     by_model: bool = options.BY_MODEL,
     against: Path | None = options.file(
         "Also list what changed since an earlier check, whose --json output is FILE; exit code 3 if a threat or a "
-        "requirement is weaker or missing, what the answer rests on has changed, or a probability is no longer known; "
-        "not for a lower ballistic limit or probability alone."
+        "requirement is weaker, one or a scenario is missing, a projectile or what the answer rests on changed, or a "
+        "probability is no longer known; not for a lower limit or probability alone."
     ),
     plot: Path | None = options.PLOT,
     force: bool = options.FORCE,
@@ -127,8 +127,8 @@ def check(
     The answer also says what a thinner layer, a faster round or an angle changes.
 
     An armour passes if it meets all requirements and a probability is required. The exit code is 0 if it passes, is
-    expected to stop every threat or stops it by the model, and 3 otherwise. With several scenarios, a folder or offers,
-    there is a line for each, and --json prints an array.
+    expected to stop every threat or stops each by the model, and 3 otherwise. With several scenarios, a folder or
+    offers, there is a line for each, and --json prints an array.
 
     Examples
     --------

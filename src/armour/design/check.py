@@ -362,10 +362,11 @@ def check_of(
     verdicts = [*(threat.verdict for threat in checked_threats), *(limit.verdict for limit in limits)]
     requires = any(threat.required_probability is not None for threat in checked_threats)
     not_sampled = dict.fromkeys(note for each in wrongly_placed for note in each)
+    is_known = any(threat.model_error is not None for threat in checked_threats)
     notes = (
         *scenario.unused_impact(),
         *threat_warnings(scenario, rows[0].armours if len(rows) == 1 else armours_of(*impacts)),
-        *(not_sampled if requires else scenario.unused_distributions()),
+        *(not_sampled if requires else scenario.unused_distributions() * is_known),
     )
     title = scenario.subject(threats=scenario.threat)
     return CheckResult(

@@ -82,7 +82,7 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
     for name, value in changed.items():
         if name not in NAMES:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
-        elif not isfunction(value):
+        elif not callable(value):
             yield Problem("equations", name, f"must be a function, found {value!r}")
         elif (found := _arguments(value)) not in ("any", needed := _arguments(getattr(model_equations, name))):
             yield Problem("equations", name, f"must be a function of {needed}, in this order, found {found}")
@@ -90,7 +90,7 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
 
 def _arguments(function: Callable[..., Any]) -> str:
     """Return the names of the arguments of a function, as "V, U"; an underscore before one says that it is not used."""
-    each = signature(function).parameters.values()
+    each = [one for one in signature(function).parameters.values() if one.kind is not one.VAR_KEYWORD]
     needed = ", ".join(one.name.lstrip("_") for one in each if one.default is one.empty)
     return "any" if any(one.kind is one.VAR_POSITIONAL for one in each) else needed
 
@@ -109,10 +109,10 @@ def _equation_with_check(name: str, function: Callable[..., Any]) -> Callable[..
     calling = local()
 
     @wraps(original)
-    def call(*arguments: Any) -> float:
+    def call(*arguments: Any, **named: Any) -> float:
         if vars(calling):
             # The function calls the one in whose place it is.
-            return original(*arguments)
+            return original(*arguments, **named)
         calling.itself = True
         try:
             value = function(*arguments)

@@ -475,8 +475,7 @@ class Tested(NamedTuple):
         low, high = self.thicknesses_mm.get(layer, (0.0, np.inf))
         if not size_mm or low / FAR <= size_mm <= high * FAR:
             return None
-        ends = np.floor(round(10.0 * low, 3)) / 10.0, np.ceil(round(10.0 * high, 3)) / 10.0
-        tested = " to ".join(dict.fromkeys(f"{end:g}" for end in ends))
+        tested = " to ".join(dict.fromkeys(f"{round(end, 1):g}" for end in (low, high)))
         return Far(f"{size_mm:.4g} mm {layer}", f"tested {tested} mm{self.of_round}")
 
 

@@ -305,7 +305,7 @@ def _expected_v50(
         low, high = min(low, (1.0 - WIDE) * middle), max(high, (1.0 + WIDE) * middle)
         source = f"within {100.0 * WIDE:g} % of the middle of the shots"
     else:
-        raise mistake("plan_shots", "scenario", "give a scenario, a table of shots, or --lower-m-s and --upper-m-s")
+        raise mistake("plan_shots", "scenario", "must be given, or a table of shots, or the limits of V50")
     middle = 0.5 * (low + high)
     return middle, ModelError(0.0, 100.0 * (high - low) / (2.0 * WITHIN * middle), NORMAL, source)
 

@@ -58,12 +58,13 @@ def scenario_report(
     threat = deciding(checked)
     reported = armour.against(armour.threats()[checked.threats.index(threat)])
     is_uncertain = scenario.distributions() and not misplaced(scenario.distributions(), scenario, reported)
-    limit, exact = _or_none(ballistic_limit, reported, ignore_progress), scenario.unused_distributions()
+    limit = _or_none(ballistic_limit, reported, ignore_progress)
     explaining = {
         "Results under uncertain inputs": _or_none(uncertainty, reported, on_part) if is_uncertain else None,
         "The impact, stage by stage": simulate(reported, history=True),
         "Sensitivity to the inputs": _or_none(sensitivity, reported, on_part),
     }
+    exact = scenario.unused_distributions() if explaining["Results under uncertain inputs"] else ()
     also = "" if search is None else design_view.nearly_as_good(search)
     facts = design_view.facts(checked, armour=armour.armour_words(), also=also)
     notes = (*(checked if search is None else search).notes, *(() if limit is None else not_monotonic(limit)))
@@ -93,7 +94,7 @@ def scenario_report(
         byline=(*((name, text) for name, text in texts.items() if text), ("program version", f"armour {__version__}")),
         sections=sections,
         facts=(*facts, ONE_SHOT, *filter(None, [_which_armour(scenario, search)])),
-        warnings=tuple(_warning(note) for note in notes if not is_uncertain or note not in exact),
+        warnings=tuple(_warning(note) for note in notes if note not in exact),
         cross_section=reported,
     )
 

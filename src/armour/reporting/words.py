@@ -53,7 +53,7 @@ def requirement_words(requirement: Requirement) -> str:
         return INTERLAYER
     if requirement.quantity == "flow_stress_sources":
         sources = f"{counted(int(requirement.found or 0), 'source')}, at least {requirement.required:g} required"
-        return f"the flow stress of its ceramic has {sources} (flow_stress_sources_GPa)"
+        return f"the flow stress of its ceramic has {sources} (its own, and flow_stress_sources_GPa around it)"
     quantity, found, most = requirement.quantity, requirement.found, requirement.required
     unit = OBJECTIVES[quantity].unit
     text = "not known" if found is None else amount(quantity, found, most) + unit

@@ -124,7 +124,7 @@ class InertLayer(Section):
     areal_density_kg_m2: Amount
     """Areal density of the layer."""
     cost_per_m2: Amount = 0.0
-    """Cost per area of the layer; if it is not given, which is not the same as 0, that of the armour is not known."""
+    """Cost per area of the layer, 0 if it costs nothing; if it is left out, the cost of the armour is not known."""
 
     def has_cost(self) -> bool:
         """Return whether a cost is given."""

@@ -443,11 +443,14 @@ def shots_of(
     velocities = [row.numbers.get("velocity_m_s", MIN_VELOCITY_M_S) for row in rows]
     words = [row.texts.get("result", "") for row in rows]
     results = [perforates(text) for text in words]
-    formula = "; a formula without a calculated value: open and save the workbook" * bool(source.sheet)
+    formula = "; if it is a formula, open the workbook and save it" * bool(source.sheet)
     keys = [column.key for column in columns_of(source.header, SHOTS.keys)]
     of_velocity, of_result = (source.title(keys.index(key)) for key in SHOTS.needed)
+    told = dict[object, bool | None]()
     for row, velocity, result, text in zip(rows, velocities, results, words, strict=True):
         written = row.texts.get("velocity_m_s", "")
+        if told.setdefault((row.texts.get("shot", row.place), velocity), result) is not result:
+            source.wrong(row.place, "has the name and velocity of an earlier shot but another result: leave one out")
         if not written:
             source.wrong(f"{row.place}: {of_velocity}", f"is missing and must be given{formula}")
         elif not MIN_VELOCITY_M_S <= velocity <= MAX_VELOCITY_M_S:

@@ -460,7 +460,7 @@ def test_titles_and_notes_of_pictures_say_what_the_model_cannot_do():
     found = simulate(thin, history=True), ballistic_limit(thin), check(thin)
     for picture in (*map(picture_of, found), of_metals):
         assert (
-            "Far from the tests: SiC (no test), 3 mm tile (tested 9.6 to 13.2 mm, scaled to this round)" in picture.note
+            "Far from the tests: SiC (no test), 3 mm tile (tested 9.7 to 13.2 mm, scaled to this round)" in picture.note
         )
     assert "limit by the model" in marks(picture_of(check(thin)).axes[0])
     library = {"metal": {"X": {"density_kg_m3": 980.0, "static_yield_strength_MPa": 900.0}}}
