@@ -459,14 +459,13 @@ def test_an_entry_whose_tests_say_nothing_of_the_error_has_none(rows: tuple[str,
 
 
 def test_a_limit_far_from_what_any_lot_can_have_is_no_evidence():
-    for limit, plausible in (("880", True), ("1900", False), ("200", False)):
-        result = calibrate(table_of(WILKINS, "ballistic_limit_m_s", limit), WILKINS, FLOW_STRESS)
-        assert (result.evidence is not None) == plausible
+    for rows, plausible in ((["6.35,880"], 1), (["6.35,1900"], 0), (["6.35,200"], 0), (["8,785", "1e-9,640"], 1)):
+        own = table_of(WILKINS, f"{BACKING},ballistic_limit_m_s", *rows)
+        assert (calibrate(own, WILKINS, FLOW_STRESS).evidence is not None) == plausible
 
 
 def test_evidence_that_cannot_be_is_refused():
-    calibrated = scenario_of(table_of(WILKINS, "ballistic_limit_m_s", "720"), WILKINS, FLOW_STRESS)
-    data = calibrated.to_dict()
+    data = scenario_of(table_of(WILKINS, "ballistic_limit_m_s", "720"), WILKINS, FLOW_STRESS).to_dict()
     [entry] = data["library"]["ceramic"].values()
     good = entry["evidence"]
     for key, value in (("path_ratio", 0.5), ("side", 5.0), ("uncertainty_m_s", -50.0), ("velocity_m_s", 0.0)):

@@ -153,7 +153,7 @@ class OwnTests(Section):
         if {*self.tests} - {SERIES_KEY} != {*VARIED, *IN_COMMON, *TEST_RESULTS} or len(counts) > 1 or 0 in counts:
             raise ValueError("must be as armour calibrate writes it: a number for each test in each of its lists")
         for name, column in self.tests.items():
-            least = LEAST_OF_TESTS.get(name, TINY)
+            least = LEAST_OF_TESTS.get(name, TINY**2)  # that of a ratio of two numbers
             if {*column} - {-1.0, 0.0, 1.0} if name == "side" else min(column) < least:
                 raise ValueError(f"must be as armour calibrate writes it: {name} has an impossible number")
         return self
