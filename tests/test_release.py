@@ -28,9 +28,7 @@ def test_workflows_on_a_page_use_this_version():
 
 
 def test_another_version_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    tmp_path.joinpath("CHANGELOG.md").write_text(
-        f"# Changelog\n\n## Unreleased\n\n## {armour.__version__} (2001-02-03)\n"
-    )
+    tmp_path.joinpath("CHANGELOG.md").write_text(f"## Unreleased\n\n## {armour.__version__} (2001-02-03)\n")
     tmp_path.joinpath("CITATION.cff").write_text("version: 0.0.1\ndate-released: 2001-02-03\n")
     names = RELEASE["disagreements"].__globals__
     monkeypatch.setitem(names, "ROOT", tmp_path)
@@ -67,6 +65,5 @@ def test_the_wheel_ships_what_the_program_reads(tmp_path: Path, monkeypatch: pyt
         assert files.shipped(name) == tmp_path / "armour" / name
     assert [*files.shipped_notebooks()] == ["study.ipynb"]
     files.shipped_files.cache_clear()
-    assert (tmp_path / "armour" / "py.typed").exists()
-    assert (tmp_path / "armour" / "__init__.pyi").exists()
-    assert (tmp_path / "armour" / "reporting" / "templates" / "report.html").exists()
+    more = "py.typed", "__init__.pyi", "reporting/templates/report.html"
+    assert all((tmp_path / "armour" / name).exists() for name in more)

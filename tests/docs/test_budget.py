@@ -21,12 +21,8 @@ def function() -> str:
 '''
 
 
-def test_docstrings_comments_and_blank_lines_are_no_code():
-    assert budget.code_lines(PROGRAM) == 6
-
-
-def test_imports_are_counted_at_the_top_and_within_functions():
-    assert budget.imports(PROGRAM) == (1, 1)
+def test_docstrings_comments_and_blank_lines_are_no_code_and_imports_are_counted():
+    assert (budget.code_lines(PROGRAM), *budget.imports(PROGRAM)) == (6, 1, 1)
 
 
 def test_a_list_that_a_program_writes_has_no_words():

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import closing
 from errno import ENOSPC
 from pathlib import Path
+from threading import Timer
 
 import numpy as np
 import pytest
@@ -134,6 +135,14 @@ def test_one_process_at_a_time(output: Path):
     with Store(output, JOB, TYPES), pytest.raises(InputError, match="another sweep is writing"):
         Store(output, {**JOB, "quantities": "y"}, TYPES).__enter__()
     assert list(output.parent.iterdir()) == []
+
+
+def test_a_lock_is_waited_for_as_two_sweeps_that_begin_at_once_may_each_have_half_of_it(output: Path):
+    filled(output, 1)
+    other = sqlite3.connect(rows_of(output), isolation_level=None, check_same_thread=False)
+    other.executescript("pragma locking_mode = exclusive; begin exclusive")
+    Timer(0.2, other.close).start()
+    finished(output)
 
 
 def test_a_full_disk_is_told_and_what_is_done_is_kept(output: Path, monkeypatch: pytest.MonkeyPatch):

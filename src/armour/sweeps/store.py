@@ -94,7 +94,7 @@ class Store:
         self._check_output()
         with self._disk_errors():
             make_folder(self.folder)
-            self._database = sqlite3.connect(self.folder / "rows", timeout=0.0, isolation_level=None)
+            self._database = sqlite3.connect(self.folder / "rows", timeout=1.0, isolation_level=None)
             try:
                 self._read()
             except BaseException:
