@@ -2,9 +2,7 @@
 
 from tools import budget
 
-PROGRAM = '''"""Words."""
-
-import re  # a comment beside code
+PROGRAM = '''import re  # a comment beside code
 from sys import argv
 
 import numpy as np

@@ -158,9 +158,10 @@ def ways(seed: int, folder: Path) -> Iterator[tuple[str, bool]]:
     def has_line(text: str) -> bool:
         return line.lower() in " ".join(text.split()).lower()
 
-    yield "Python", result.verdict == word == result.to_dict()["verdict"] == next(iter(result))["verdict"]
-    yield "search", found.shown.check.verdict == word and (found.best is not None) == is_held
-    yield "search's check", found.best is None or found.best.check == result
+    worst = min((row["verdict"] for row in result if row["verdict"]), key=WORDS.index)
+    yield "Python", result.verdict == word == result.to_dict()["verdict"] == worst
+    best = found.best and found.best.check
+    yield "search", found.shown.check.verdict == word and best == (result if is_held else None)
     yield "repr", has_line(repr(result)) and line.partition(":")[0].removesuffix(" against every threat") == shown
     yield "title of the picture", has_line(by_result(draw, result)(result, Sheet()).title)
     suite = check_junit(result, of, 0.0, {}).attrib
@@ -174,8 +175,8 @@ def ways(seed: int, folder: Path) -> Iterator[tuple[str, bool]]:
         yield "JSON", json.loads(as_json.stdout)["verdict"] == word
         yield "Markdown", f"1 {shown}" in Path("check.md").read_text()
         yield "JUnit file", shown in Path("check.xml").read_text()
-        rows = csv.DictReader(Path("check.csv").read_text().splitlines())
-        yield "CSV", min((row["verdict"] for row in rows if row["verdict"]), key=WORDS.index) == word
+        lines = csv.DictReader(Path("check.csv").read_text().splitlines())
+        yield "CSV", worst == min((row["verdict"] for row in lines if row["verdict"]), key=WORDS.index)
         Path("best.toml").unlink(missing_ok=True)
         done = invoke(["optimise", "s.toml", "--save", "best.toml"])
         yield "terminal of the search", has_line(done.stdout) and done.exit_code == (0 if is_held else 1)
