@@ -16,7 +16,7 @@ AT_ONCE = 12
 
 def main() -> int:
     """Print how many armours had each verdict, and how many ways out gave another one."""
-    options = asked(__doc__, armours=300, seed=1_000)
+    options = asked(__doc__, armours=150, seed=1_000)
     seeds = range(options.seed, options.seed + options.armours)
     said = Counter[str]()
     with tempfile.TemporaryDirectory(prefix="campaign-") as name:
