@@ -84,15 +84,18 @@ def _mistakes(changed: dict[str, Any]) -> Iterable[Problem]:
             yield Problem("equations", name, f"must be the name of an equation{choices(name, NAMES)}")
         elif not callable(value):
             yield Problem("equations", name, f"must be a function, found {value!r}")
-        elif (found := _arguments(value)) not in ("any", needed := _arguments(getattr(model_equations, name))):
+        elif (found := _arguments(value)) not in (None, needed := _arguments(getattr(model_equations, name))):
             yield Problem("equations", name, f"must be a function of {needed}, in this order, found {found}")
 
 
-def _arguments(function: Callable[..., Any]) -> str:
-    """Return the names of the arguments of a function, as "V, U"; an underscore before one says that it is not used."""
+def _arguments(function: Callable[..., Any]) -> str | None:
+    """Return the names of the arguments of a function, as "V, U", or None if it takes any.
+
+    An underscore before a name says that it is not used.
+    """
     each = [one for one in signature(function).parameters.values() if one.kind is not one.VAR_KEYWORD]
     needed = ", ".join(one.name.lstrip("_") for one in each if one.default is one.empty)
-    return "any" if any(one.kind is one.VAR_POSITIONAL for one in each) else needed
+    return None if any(one.kind is one.VAR_POSITIONAL for one in each) else needed
 
 
 def _set(module: ModuleType, values: dict[str, Any]) -> None:

@@ -440,7 +440,7 @@ class Far(NamedTuple):
     """One thing in which an armour or a threat is far from the tests, in words."""
 
     found: str  # such as "12 mm tile"
-    tested: str = ""  # what was tested instead, such as "tested 5.7 to 7.9 mm"
+    tested: str = ""  # what was tested instead, such as "tested 5.8 to 7.9 mm"
 
     def __str__(self) -> str:
         return f"{self.found} ({self.tested})" if self.tested else self.found
@@ -450,7 +450,7 @@ def far_from_tests(scenario: Scenario, armours: Armours) -> tuple[Far, ...]:
     """Return in what the armour of a scenario is far from the tests; `armours` has it as its only row.
 
     A material or a projectile counts if another one was tested, any other quantity if it is more than 10 % outside the
-    range of the tests, which is rounded outwards.
+    range of the tests, which is shown to 0.1 mm.
     """
     p, cosines = armours.parameters, armours.cosines
     sizes_mm = ((thickness * cosines).item() / MM for thickness in (p.Hc0, p.Hb))

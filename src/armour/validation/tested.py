@@ -120,7 +120,12 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     library, wilkins = shipped_library(), wilkins_tests().scenarios[0]
     rounds = library.known("projectile")
     plates = [row for row in shipped_rows("tests/plates") if row["round"] in rounds]
-    found: list[tuple[Kind, str, str]] = []
+    tested: dict[tuple[Kind, str], dict[str, None]] = {}
+
+    def add(kind: Kind, name: str, words: str) -> None:
+        """Add what an entry was tested with, in words, once."""
+        tested.setdefault((kind, name), {})[words] = None
+
     bare = {
         NAMES["backing"]: np.array([row["plate"] for row in plates]),
         NAMES["projectile"]: np.array([rounds[row["round"]] for row in plates]),
@@ -129,15 +134,13 @@ def tested_with() -> dict[tuple[Kind, str], tuple[str, ...]]:
     for group in groups_of(wilkins.replaced({CERAMIC: 0.0}), bare):
         if group.variants.errors.known.any():
             metal, projectile = (str(bare[NAMES[role]][group.where[0]]) for role in ("backing", "projectile"))
-            found += [("metal", metal, projectile), ("projectile", projectile, metal)]
+            add("metal", metal, projectile)
+            add("projectile", projectile, metal)
     metal, projectile = wilkins.armour.backing, wilkins.impact.projectile
     for ceramic in library.names("ceramic"):
         [group] = groups_of(wilkins.replaced({NAMES["ceramic"]: ceramic}), wilkins_tests().columns)
         if group.variants.errors.known.any():
-            found.append(("ceramic", ceramic, f"{projectile}, on {metal}"))
-            found.append(("metal", metal, f"{projectile}, with {wilkins.armour.ceramic}"))
-            found.append(("projectile", projectile, f"{wilkins.armour.ceramic} on {metal}"))
-    tested: dict[tuple[Kind, str], dict[str, None]] = {}
-    for kind, name, words in found:
-        tested.setdefault((kind, name), {})[words] = None
-    return {entry: tuple(words_of_entry) for entry, words_of_entry in tested.items()}
+            add("ceramic", ceramic, f"{projectile}, on {metal}")
+            add("metal", metal, f"{projectile}, with {wilkins.armour.ceramic}")
+            add("projectile", projectile, f"{wilkins.armour.ceramic} on {metal}")
+    return {entry: tuple(words) for entry, words in tested.items()}
